@@ -1,0 +1,1 @@
+"""From answers to a verdict: statistics, figures and the report."""

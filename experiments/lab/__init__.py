@@ -1,0 +1,1 @@
+"""The same study in a PsychoPy window."""

@@ -1,0 +1,312 @@
+"""The response store: append-only rows in SQLite, each durable before it is acknowledged."""
+
+import hashlib
+import hmac
+import secrets
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Self
+
+import sqlalchemy as sa
+from sqlalchemy.engine import Connection, Engine
+
+from algorithms.errors import InputError
+from experiments import tables
+from experiments.responses import Event, Response, Runner, Session, now
+from experiments.study import Study
+from experiments.trials import Answer
+from stimuli.manifest import StimulusSet
+
+SCHEMA_VERSION = "1"
+
+# A repeated post is the same answer if it agrees in these.
+_IDENTITY = ("participant", "session", "trial_index", "stimuli", "answer")
+
+
+class ConflictError(InputError):
+    """Another answer is already stored for this trial; the stored one stays."""
+
+
+@dataclass(frozen=True)
+class NewSession:
+    """What a runner knows of a participant when a session begins.
+
+    `participant` and `participant_number` are given by the store where they are None.
+    """
+
+    runner: Runner
+    device: str
+    demographics: Mapping[str, Any]
+    screen: Mapping[str, Any]
+    simulated: bool = False
+    pilot: bool = False
+    participant: str | None = None
+    participant_number: int | None = None
+
+
+class Store:
+    """The responses, sessions and events of one or more studies in one database.
+
+    Open it with `Store.open`; it is a context manager and safe to use from several threads.
+    """
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+
+    @classmethod
+    def open(cls, path_or_url: str | Path, *, must_exist: bool = False) -> Self:
+        """Open a store, making it where it does not exist.
+
+        Parameters
+        ----------
+        path_or_url
+            A SQLite file, or the SQLAlchemy URL of a SQLite database.
+        must_exist
+            Refuse to make a new one.
+
+        Raises
+        ------
+        InputError
+            If it does not exist, cannot be opened, or is not a store of this version.
+        """
+        store = cls(tables.open_database(path_or_url, must_exist=must_exist))
+        found = store.setting("schema", lambda: SCHEMA_VERSION)
+        if found != SCHEMA_VERSION:
+            store.close()
+            raise InputError(
+                f"{path_or_url}: a store of schema {found}, this Trompe reads {SCHEMA_VERSION}"
+            )
+        return store
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close every connection."""
+        self._engine.dispose()
+
+    @contextmanager
+    def _transaction(self) -> Iterator[Connection]:
+        with self._engine.begin() as connection:
+            yield connection
+
+    def setting(self, key: str, make: Callable[[], str]) -> str:
+        """Return a stored setting, making it with `make()` the first time."""
+        with self._transaction() as connection:
+            query = sa.select(tables.settings.c.value).where(tables.settings.c.key == key)
+            value = connection.execute(query).scalar_one_or_none()
+            if value is None:
+                value = make()
+                connection.execute(tables.settings.insert().values(key=key, value=value))
+            return str(value)
+
+    def register(self, study: Study, stimuli: StimulusSet) -> None:
+        """Keep the study and the manifest beside the answers, so that the store explains itself.
+
+        Raises
+        ------
+        InputError
+            If the store holds answers to another study of the same name and version.
+        """
+        row = {
+            "study_digest": study.digest,
+            "stimuli_digest": stimuli.digest,
+            "name": study.name,
+            "study": study.model_dump(mode="json"),
+            "manifest": stimuli.model_dump(mode="json"),
+            "registered_at": now(),
+        }
+        with self._transaction() as connection:
+            known = connection.execute(
+                sa.select(
+                    tables.studies.c.study_digest,
+                    tables.studies.c.stimuli_digest,
+                    tables.studies.c.study,
+                ).where(tables.studies.c.name == study.name)
+            ).all()
+            if (study.digest, stimuli.digest) in {
+                (k.study_digest, k.stimuli_digest) for k in known
+            }:
+                return
+            if any(k.study["version"] == study.version for k in known):
+                raise InputError(
+                    f"version: {study.name} version {study.version} is already in this store with"
+                    " other contents; give the changed study a new version"
+                )
+            connection.execute(tables.studies.insert().values(row))
+
+    def registered(self, name: str | None = None) -> list[tuple[Study, StimulusSet]]:
+        """Return the registered studies with their sets (without folders), oldest first."""
+        query = sa.select(tables.studies.c.study, tables.studies.c.manifest).order_by(
+            tables.studies.c.registered_at
+        )
+        if name is not None:
+            query = query.where(tables.studies.c.name == name)
+        with self._transaction() as connection:
+            return [
+                (Study.model_validate(row.study), StimulusSet.model_validate(row.manifest))
+                for row in connection.execute(query)
+            ]
+
+    def begin_session(
+        self, study: Study, stimuli: StimulusSet, new: NewSession
+    ) -> tuple[Session, str]:
+        """Open a session and return it with its secret token, which is kept only as a hash.
+
+        Raises
+        ------
+        InputError
+            If the participant or the number is taken.
+        """
+        token = secrets.token_urlsafe(24)
+        with self._transaction() as connection:
+            number = new.participant_number or _next_number(connection, study.name)
+            participant = new.participant or f"P{number:04d}"
+            session = Session(
+                id=f"{study.name}.{participant}.1",
+                study=study.name,
+                study_digest=study.digest,
+                stimuli_digest=stimuli.digest,
+                participant=participant,
+                participant_number=number,
+                consent_version=study.consent.version,
+                demographics=new.demographics,
+                screen=new.screen,
+                device=new.device,
+                runner=new.runner,
+                simulated=new.simulated,
+                pilot=new.pilot,
+                started_at=now(),
+            )
+            try:
+                connection.execute(
+                    tables.sessions.insert().values(**vars(session), token_sha256=_hash(token))
+                )
+            except sa.exc.IntegrityError:
+                raise InputError(
+                    f"participant: {participant} (number {number}) already has a session"
+                ) from None
+        return session, token
+
+    def session(self, identifier: str) -> Session | None:
+        """Return a session by its id, or None."""
+        with self._transaction() as connection:
+            row = connection.execute(
+                sa.select(tables.sessions).where(tables.sessions.c.id == identifier)
+            ).one_or_none()
+        return None if row is None else _session_of(row)
+
+    def authenticate(self, identifier: str, token: str) -> Session | None:
+        """Return the session if the token is its own, else None."""
+        query = sa.select(tables.sessions).where(tables.sessions.c.id == identifier)
+        with self._transaction() as connection:
+            row = connection.execute(query).one_or_none()
+        if row is None or not hmac.compare_digest(row.token_sha256, _hash(token)):
+            return None
+        return _session_of(row)
+
+    def record(self, response: Response) -> bool:
+        """Store an answer for good; True if it is new, False if it was there already.
+
+        Raises
+        ------
+        ConflictError
+            If another answer is stored for this trial.
+        """
+        values = vars(response) | {"stimuli": list(response.stimuli)}
+        with self._transaction() as connection:
+            row = connection.execute(
+                sa.select(tables.responses).where(tables.responses.c.id == response.id)
+            ).one_or_none()
+            if row is None:
+                connection.execute(tables.responses.insert().values(values))
+                return True
+        if all(getattr(row, key) == values[key] for key in _IDENTITY):
+            return False
+        raise ConflictError(f"answer: trial {response.trial_index} already has another answer")
+
+    def answers(self, session: str) -> dict[int, Answer]:
+        """Return a session's stored answers by trial index."""
+        query = sa.select(tables.responses.c.trial_index, tables.responses.c.answer).where(
+            tables.responses.c.session == session
+        )
+        with self._transaction() as connection:
+            return {row.trial_index: row.answer for row in connection.execute(query)}
+
+    def complete(self, session: str) -> str:
+        """Mark a session as complete and return its completion code; the same one ever after."""
+        with self._transaction() as connection:
+            code = connection.execute(
+                sa.select(tables.sessions.c.completion_code).where(tables.sessions.c.id == session)
+            ).scalar_one()
+            if code is None:
+                code = secrets.token_hex(4).upper()
+                connection.execute(
+                    tables.sessions.update()
+                    .where(tables.sessions.c.id == session)
+                    .values(completed_at=now(), completion_code=code)
+                )
+            return str(code)
+
+    def add_event(self, session: str, kind: str, detail: Mapping[str, Any]) -> None:
+        """Keep something that happened to a session."""
+        with self._transaction() as connection:
+            connection.execute(
+                tables.events.insert().values(
+                    session=session, kind=kind, detail=dict(detail), recorded_at=now()
+                )
+            )
+
+    def responses(self, *, study: str | None = None) -> list[Response]:
+        """Return all responses (of a study), in the order of session and trial."""
+        query = sa.select(tables.responses).order_by(
+            tables.responses.c.session, tables.responses.c.trial_index
+        )
+        if study is not None:
+            query = query.where(tables.responses.c.study == study)
+        with self._transaction() as connection:
+            return [
+                Response(**{**row._mapping, "stimuli": tuple(row.stimuli)})
+                for row in connection.execute(query)
+            ]
+
+    def sessions(self, *, study: str | None = None) -> list[Session]:
+        """Return all sessions (of a study), in the order of their beginning."""
+        query = sa.select(tables.sessions).order_by(
+            tables.sessions.c.started_at, tables.sessions.c.id
+        )
+        if study is not None:
+            query = query.where(tables.sessions.c.study == study)
+        with self._transaction() as connection:
+            return [_session_of(row) for row in connection.execute(query)]
+
+    def events(self, *, study: str | None = None) -> list[Event]:
+        """Return all events (of a study's sessions), in the order of their recording."""
+        query = sa.select(tables.events).order_by(tables.events.c.number)
+        if study is not None:
+            query = query.join(tables.sessions).where(tables.sessions.c.study == study)
+        with self._transaction() as connection:
+            return [
+                Event(row.session, row.kind, row.detail, row.recorded_at)
+                for row in connection.execute(query)
+            ]
+
+
+def _next_number(connection: Connection, study: str) -> int:
+    query = sa.select(sa.func.max(tables.sessions.c.participant_number)).where(
+        tables.sessions.c.study == study
+    )
+    return int(connection.execute(query).scalar_one_or_none() or 0) + 1
+
+
+def _session_of(row: sa.Row[tuple[Any, ...]]) -> Session:
+    return Session(**{field.name: getattr(row, field.name) for field in fields(Session)})
+
+
+def _hash(token: str) -> str:
+    return hashlib.sha256(token.encode()).hexdigest()

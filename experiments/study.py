@@ -1,0 +1,236 @@
+"""The study file: one TOML file that the lab, the web and simulated observers all run."""
+
+import hashlib
+import tomllib
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+
+from algorithms.errors import InputError
+from stimuli.manifest import StimulusSet, first_fault
+
+Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
+Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
+DemographicsField = Literal["age", "gender", "artistic_background"]
+
+READY_MADE = Path(__file__).parent / "studies"
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Stimuli(_Part):
+    """Which stimuli are shown, and what of them is analysed.
+
+    Attributes
+    ----------
+    set
+        The name of the stimulus set (`trompe stimuli make SET DIR` makes it).
+    choices
+        How many objects a participant can choose among; chance is 1 / choices.
+    level
+        The factor whose threshold is sought, or None.
+    level_unit
+        Its unit, as figures print it.
+    conditions
+        The factors that split the analysis.
+    encoding
+        How the images' values relate to light; it must be the set's own.
+    """
+
+    set: Name
+    choices: int = Field(ge=2, le=9)
+    level: str | None = None
+    level_unit: str = ""
+    conditions: tuple[str, ...] = ()
+    encoding: Literal["srgb", "linear"] = "srgb"
+
+
+class Design(_Part):
+    """The order of the main trials.
+
+    Attributes
+    ----------
+    kind
+        `factorial`: every main stimulus, in an order of its own for every participant.
+    repeats
+        How often each stimulus is shown; no image follows itself.
+    seed
+        With the participant's number it fixes every order.
+    """
+
+    kind: Literal["factorial"] = "factorial"
+    repeats: int = Field(default=1, ge=1, le=100)
+    seed: int = Field(ge=0)
+
+
+class Practice(_Part):
+    """Trials before the main ones, with the set's practice stimuli."""
+
+    trials: int = Field(ge=0, le=100)
+    feedback: bool = True
+
+
+class Timing(_Part):
+    """Durations within a trial.
+
+    Attributes
+    ----------
+    blank_s
+        The empty screen before each stimulus.
+    time_limit_s
+        How long an answer may take, or None for no limit; a trial without an answer in that time
+        is stored with the answer None.
+    """
+
+    blank_s: float = Field(default=0.5, ge=0, le=10)
+    time_limit_s: float | None = Field(default=None, gt=0, le=3600)
+
+
+class Consent(_Part):
+    """What a participant agrees to; its version is stored with the session."""
+
+    version: Text
+    text: Text
+
+
+class Screen(_Part):
+    """The smallest usable window, in CSS pixels on the web and in pixels in the lab."""
+
+    minimum_width_px: int = Field(default=0, ge=0, le=10_000)
+    minimum_height_px: int = Field(default=0, ge=0, le=10_000)
+
+
+class Stopping(_Part):
+    """How many complete participants end the collection."""
+
+    participants: int = Field(ge=1)
+
+
+class Exclusion(_Part):
+    """Who is left out of the analysis; declared before the first answer.
+
+    Attributes
+    ----------
+    incomplete
+        Leave out participants who did not finish.
+    shortest_median_s
+        Leave out participants whose median time per main answer is below this.
+    """
+
+    incomplete: bool = True
+    shortest_median_s: float | None = Field(default=None, gt=0)
+
+
+class Study(_Part):
+    """A study: what is asked about which stimuli, of whom, in what order and under what rules."""
+
+    name: Name
+    title: Text
+    version: int = Field(ge=1)
+    task: Literal["odd-one-out"]
+    question: Text
+    instructions: tuple[Text, ...] = ()
+    language: Literal["en"] = "en"
+    stimuli: Stimuli
+    design: Design
+    practice: Practice = Practice(trials=0)
+    timing: Timing = Timing()
+    consent: Consent
+    demographics: tuple[DemographicsField, ...] = ()
+    screen: Screen = Screen()
+    stopping: Stopping
+    exclusion: Exclusion = Exclusion()
+
+    @cached_property
+    def digest(self) -> str:
+        """The SHA-256 of everything the study says, whatever the layout of its file."""
+        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
+
+    @property
+    def guess_rate(self) -> float:
+        """The share of right answers by chance."""
+        return 1 / self.stimuli.choices
+
+
+def load_study(path: str | Path) -> Study:
+    """Load a study from its TOML file, or a ready-made one by its name.
+
+    Parameters
+    ----------
+    path
+        A file, or the name of one of the studies that come with Trompe (`lights-synthetic`).
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not TOML, or has an unknown, missing or impossible entry:
+        the message names the key.
+    """
+    path = Path(path)
+    if not path.suffix and not path.exists():
+        path = _ready_made(path.name)
+    try:
+        return Study.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not a TOML file ({error})") from error
+    except ValidationError as error:
+        raise InputError(f"{path}: {first_fault(error)}") from error
+
+
+def _ready_made(name: str) -> Path:
+    path = READY_MADE / f"{name}.toml"
+    if not path.is_file():
+        names = ", ".join(sorted(file.stem for file in READY_MADE.glob("*.toml")))
+        raise InputError(f"study: no file and no ready-made study {name!r}; there are: {names}")
+    return path
+
+
+def check_stimuli(study: Study, stimuli: StimulusSet) -> None:
+    """Check that a study can run with a stimulus set.
+
+    Raises
+    ------
+    InputError
+        Naming the study's key that does not fit the set.
+    """
+    main, practice = stimuli.with_role("main"), stimuli.with_role("practice")
+    _require(study.stimuli.set == stimuli.name, "stimuli.set", study.stimuli.set, stimuli.name)
+    _require(
+        study.stimuli.encoding == stimuli.encoding,
+        "stimuli.encoding",
+        study.stimuli.encoding,
+        stimuli.encoding,
+    )
+    factors = sorted(main[0].factors) if main else []
+    for key, names in (
+        ("level", [study.stimuli.level] if study.stimuli.level else []),
+        ("conditions", study.stimuli.conditions),
+    ):
+        for name in names:
+            _require(name in factors, f"stimuli.{key}", name, f"the factors {', '.join(factors)}")
+    _require(
+        study.practice.trials <= len(practice),
+        "practice.trials",
+        study.practice.trials,
+        f"{len(practice)} practice stimuli",
+    )
+    _require(
+        study.stimuli.choices == len(stimuli.objects),
+        "stimuli.choices",
+        study.stimuli.choices,
+        f"{len(stimuli.objects)} objects",
+    )
+    for stimulus in (*main, *practice):
+        if stimulus.regions is None:
+            raise InputError(f"stimuli.set: {stimulus.id} of the set has no regions to choose from")
+
+
+def _require(fits: bool, key: str, given: object, available: object) -> None:
+    if not fits:
+        raise InputError(f"{key}: the study says {given}, the stimulus set has {available}")

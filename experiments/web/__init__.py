@@ -1,0 +1,1 @@
+"""The same study in a browser: server, store and front end."""

@@ -1,0 +1,1 @@
+"""One file for each stimulus set; each offers `make(folder, ...)`."""

@@ -1,0 +1,63 @@
+"""What tests of several rooms share: small stimulus sets, stores, and what may be missing."""
+
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from experiments.store import Store
+from experiments.study import Study, load_study
+from stimuli.manifest import StimulusSet
+from tests.drawn_set import draw_set
+
+
+def require(present: object, what: str) -> None:
+    """Skip a test for what this machine lacks; in CI nothing may be lacking."""
+    if not present:
+        if os.environ.get("CI") == "true":
+            pytest.fail(f"{what}: must be there in CI")
+        pytest.skip(what)
+
+
+@pytest.fixture(scope="session")
+def chromium() -> str:
+    """The path of the system's Chromium."""
+    path = shutil.which("chromium") or shutil.which("chromium-browser")
+    require(path, "needs Chromium (apt install chromium)")
+    assert path is not None
+    return path
+
+
+@pytest.fixture(scope="session")
+def drawn_set(tmp_path_factory: pytest.TempPathFactory) -> StimulusSet:
+    """A stimulus set of the form of `divergence`, drawn in a moment instead of rendered."""
+    return draw_set(tmp_path_factory.mktemp("drawn"))
+
+
+@pytest.fixture(scope="session")
+def study() -> Study:
+    """The ready-made study of experiment 1."""
+    return load_study("lights-synthetic")
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    """An empty response store."""
+    return Store.open(tmp_path / "responses.sqlite")
+
+
+@pytest.fixture
+def write_study(tmp_path: Path) -> Callable[[str, str], Path]:
+    """Write the ready-made study with one text replaced by another."""
+    source = Path(__file__).parents[1] / "experiments" / "studies" / "lights-synthetic.toml"
+
+    def write(old: str, new: str) -> Path:
+        text = source.read_text(encoding="utf-8")
+        assert old in text
+        path = tmp_path / "study.toml"
+        path.write_text(text.replace(old, new, 1), encoding="utf-8")
+        return path
+
+    return write
