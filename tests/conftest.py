@@ -2,7 +2,7 @@
 
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -43,9 +43,10 @@ def study() -> Study:
 
 
 @pytest.fixture
-def store(tmp_path: Path) -> Store:
+def store(tmp_path: Path) -> Iterator[Store]:
     """An empty response store."""
-    return Store.open(tmp_path / "responses.sqlite")
+    with Store.open(tmp_path / "responses.sqlite") as opened:
+        yield opened
 
 
 @pytest.fixture
