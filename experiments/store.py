@@ -238,6 +238,17 @@ class Store:
         with self._transaction() as connection:
             return {row.trial_index: row.answer for row in connection.execute(query)}
 
+    def answer_counts(self, study: str) -> dict[str, tuple[int, str]]:
+        """Return how many answers each session of a study has, and when the last one came."""
+        columns = tables.responses.c
+        query = (
+            sa.select(columns.session, sa.func.count(), sa.func.max(columns.recorded_at))
+            .where(columns.study == study)
+            .group_by(columns.session)
+        )
+        with self._transaction() as connection:
+            return {session: (n, last) for session, n, last in connection.execute(query)}
+
     def complete(self, session: str) -> str:
         """Mark a session as complete and return its completion code; the same one ever after."""
         with self._transaction() as connection:

@@ -1,0 +1,85 @@
+"""One shape for every error the server answers with."""
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from starlette.exceptions import HTTPException
+
+from algorithms.errors import InputError
+from experiments.store import ConflictError
+
+_CODES = {
+    400: "malformed",
+    401: "unauthorized",
+    403: "forbidden",
+    404: "not-found",
+    405: "method-not-allowed",
+    409: "conflict",
+    413: "too-large",
+    422: "invalid",
+    503: "unavailable",
+}
+
+
+class ApiError(Exception):
+    """An error that the server answers with; everything else is turned into one.
+
+    Parameters
+    ----------
+    status
+        The HTTP status.
+    message
+        One line that says what is wrong and what is accepted.
+    code
+        A short word for programs, by default that of the status.
+    more
+        What else the reply carries beside `error`.
+    """
+
+    def __init__(self, status: int, message: str, code: str | None = None, **more: object) -> None:
+        super().__init__(message)
+        self.status = status
+        self.message = message
+        self.code = code or _CODES.get(status, "error")
+        self.more = more
+
+    def reply(self) -> JSONResponse:
+        """Return the HTTP response: `{"error": {"code": ..., "message": ...}}`."""
+        error = {"code": self.code, "message": self.message}
+        return JSONResponse({"error": error, **self.more}, self.status)
+
+
+def add_error_handlers(app: FastAPI) -> None:
+    """Turn every exception of a handler into a reply of the one shape."""
+    app.add_exception_handler(ApiError, _reply)
+    app.add_exception_handler(HTTPException, _reply)
+    app.add_exception_handler(RequestValidationError, _reply)
+    app.add_exception_handler(InputError, _reply)
+    app.add_exception_handler(Exception, _reply)
+
+
+async def _reply(_: Request, error: Exception) -> JSONResponse:
+    return _as_api_error(error).reply()
+
+
+def _as_api_error(error: Exception) -> ApiError:
+    match error:
+        case ApiError():
+            return error
+        case HTTPException():
+            return ApiError(error.status_code, str(error.detail))
+        case RequestValidationError():
+            return ApiError(422, _first_fault(error))
+        case ConflictError():
+            return ApiError(409, str(error))
+        case InputError():
+            return ApiError(422, str(error))
+        case _:
+            return ApiError(500, "the server failed; what was acknowledged is stored", "internal")
+
+
+def _first_fault(error: RequestValidationError) -> str:
+    """Name the faulty key, but repeat nothing of what was sent but its ASCII spelling."""
+    fault = error.errors()[0]
+    place = ".".join(str(part) for part in fault["loc"][1:]) or "body"
+    return ascii(f"{place}: {fault['msg']}")[1:-1][:300]

@@ -1,0 +1,68 @@
+"""What clients send, checked to the letter before anything is done with it."""
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+
+from experiments.answers import Measurement
+from experiments.responses import Input
+
+# Bounds only keep nonsense out of the store: no honest client comes near them.
+Seconds = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False)]
+Count = Annotated[int, Field(ge=0, le=1_000_000)]
+ShortText = Annotated[str, StringConstraints(max_length=300)]
+Word = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z_-]{0,39}$")]
+Value = (
+    bool
+    | Annotated[int, Field(ge=-(10**12), le=10**12)]
+    | Annotated[float, Field(allow_inf_nan=False)]
+    | ShortText
+    | None
+)
+Facts = Annotated[dict[Word, Value], Field(max_length=30)]
+
+
+class _Message(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class NewSessionMessage(_Message):
+    """Consent, and what a participant and the browser say of themselves."""
+
+    consent_version: ShortText
+    demographics: dict[Word, Any]
+    screen: Facts
+    device: ShortText
+    simulated: bool = False
+
+
+class AnswerMessage(_Message):
+    """One answer; `id` is made by the client with `responses.response_id`."""
+
+    id: ShortText
+    trial_index: Count
+    answer: Count | None
+    reaction_time_s: Seconds | None
+    onset_requested_s: Seconds | None
+    onset_measured_s: Seconds | None
+    frame_interval_s: Seconds | None
+    dropped_frames: Count | None
+    input: Input
+
+    def measurement(self) -> Measurement:
+        """Return what the browser measured."""
+        return Measurement(
+            reaction_time_s=self.reaction_time_s,
+            onset_requested_s=self.onset_requested_s,
+            onset_measured_s=self.onset_measured_s,
+            frame_interval_s=self.frame_interval_s,
+            dropped_frames=self.dropped_frames,
+            input=self.input,
+        )
+
+
+class EventMessage(_Message):
+    """Something that happened besides answers: `blur`, `resize`, `resume`, `offline`, ..."""
+
+    kind: Word
+    detail: Facts = Field(default_factory=dict)

@@ -1,0 +1,181 @@
+"""The participant's part of the API."""
+
+from typing import Any
+
+from fastapi import APIRouter, Response
+from fastapi.responses import JSONResponse
+
+from experiments.answers import make_response
+from experiments.demographics import check_demographics
+from experiments.responses import Session, response_id
+from experiments.store import NewSession
+from experiments.trials import Answer, Trial
+from experiments.web.errors import ApiError
+from experiments.web.exhibits import region_runs
+from experiments.web.messages import AnswerMessage, EventMessage, NewSessionMessage
+from experiments.web.service import Here, KnownStudy, OwnSession, Service
+
+router = APIRouter(prefix="/api")
+
+_CACHED = {"Cache-Control": "private, max-age=86400"}
+
+
+@router.get("/studies/{study}", dependencies=[KnownStudy])
+def describe_study(here: Here) -> dict[str, Any]:
+    """Tell what a participant may know before the first trial."""
+    study = here.study
+    return {
+        "study": study.name,
+        "title": study.title,
+        "question": study.question,
+        "instructions": study.instructions,
+        "language": study.language,
+        "task": study.task,
+        "choices": study.stimuli.choices,
+        "consent": study.consent.model_dump(),
+        "demographics": study.demographics,
+        "screen": study.screen.model_dump(),
+        "timing": study.timing.model_dump(),
+        "example": _example(here),
+        "accepting": here.accepts_people(),
+    }
+
+
+@router.get("/studies/{study}/example/image", dependencies=[KnownStudy])
+def show_example(here: Here) -> Response:
+    """Send the example's image."""
+    if here.example is None:
+        raise ApiError(404, "example: the stimulus set has none")
+    return Response(here.exhibits.image(here.example), media_type="image/png", headers=_CACHED)
+
+
+@router.get("/studies/{study}/example/regions", dependencies=[KnownStudy])
+def show_example_regions(here: Here) -> JSONResponse:
+    """Send the example's regions."""
+    if here.example is None or here.example.regions is None:
+        raise ApiError(404, "example: the stimulus set has none")
+    return JSONResponse(region_runs(here.stimuli.path(here.example.regions)), headers=_CACHED)
+
+
+@router.post("/studies/{study}/sessions", status_code=201, dependencies=[KnownStudy])
+def begin_session(here: Here, message: NewSessionMessage) -> dict[str, Any]:
+    """Open a session for a participant who has agreed to take part."""
+    if message.consent_version != here.study.consent.version:
+        raise ApiError(409, "consent_version: the text has changed; read it again", "consent")
+    if not message.simulated and not here.accepts_people():
+        raise ApiError(409, "study: it has all its participants", "closed")
+    new = NewSession(
+        runner="web",
+        device=message.device,
+        demographics=check_demographics(here.study, message.demographics),
+        screen=message.screen,
+        simulated=message.simulated,
+        pilot=here.pilot,
+    )
+    session, token = here.store.begin_session(here.study, here.stimuli, new)
+    return {"token": token, **_identity(session)}
+
+
+@router.get("/sessions/{session}")
+def resume_session(here: Here, own: OwnSession) -> dict[str, Any]:
+    """Tell all trials of a session, and which of them have their answer."""
+    answers = here.store.answers(own.id)
+    trials = here.trials(own)
+    told = {
+        trial.index: _feedback(here, trial, answers[trial.index])
+        for trial in trials
+        if trial.index in answers
+    }
+    return {
+        **_identity(own),
+        "trials": [_trial(here, own, trial) for trial in trials],
+        "answered": sorted(answers),
+        "feedback": {index: feedback for index, feedback in told.items() if feedback},
+        "complete": own.completed_at is not None,
+        "completion_code": own.completion_code,
+    }
+
+
+@router.get("/sessions/{session}/images/{opaque}")
+def show_image(here: Here, own: OwnSession, opaque: str) -> Response:
+    """Send an image of one of the session's trials."""
+    content = here.exhibits.find_image(own.id, opaque)
+    if content is None:
+        raise ApiError(404, "image: this session has no such image")
+    return Response(content, media_type="image/png", headers=_CACHED)
+
+
+@router.get("/sessions/{session}/regions/{opaque}")
+def show_regions(here: Here, own: OwnSession, opaque: str) -> JSONResponse:
+    """Send the regions of one of the session's trials."""
+    path = here.exhibits.find_regions(own.id, opaque)
+    if path is None:
+        raise ApiError(404, "regions: this session has no such region map")
+    return JSONResponse(region_runs(path), headers=_CACHED)
+
+
+@router.post("/sessions/{session}/answers")
+def record_answer(here: Here, own: OwnSession, message: AnswerMessage) -> dict[str, Any]:
+    """Store an answer; once this replies, the answer outlives the server."""
+    if message.id != response_id(own.id, message.trial_index):
+        raise ApiError(403, "id: not the id of this session's trial")
+    response = make_response(
+        here.study, here.stimuli, own, message.trial_index, message.answer, message.measurement()
+    )
+    here.store.record(response)
+    trial = here.trials(own)[message.trial_index]
+    return {"stored": True, "feedback": _feedback(here, trial, message.answer)}
+
+
+@router.post("/sessions/{session}/events", status_code=204)
+def record_event(here: Here, own: OwnSession, message: EventMessage) -> None:
+    """Store something that happened besides answers."""
+    here.store.add_event(own.id, message.kind, message.detail)
+
+
+@router.post("/sessions/{session}/complete")
+def complete_session(here: Here, own: OwnSession) -> dict[str, str]:
+    """Give the completion code, if every trial has its answer."""
+    answers = here.store.answers(own.id)
+    missing = [trial.index for trial in here.trials(own) if trial.index not in answers]
+    if missing:
+        message = f"session: {len(missing)} trials have no answer yet"
+        raise ApiError(409, message, "incomplete", missing=missing)
+    return {"completion_code": here.store.complete(own.id)}
+
+
+def _example(here: Service) -> dict[str, Any] | None:
+    if here.example is None:
+        return None
+    base = f"/api/studies/{here.study.name}/example"
+    return {"image": f"{base}/image", "regions": f"{base}/regions", "answer": here.example.answer}
+
+
+def _identity(session: Session) -> dict[str, Any]:
+    return {
+        "session": session.id,
+        "participant": session.participant,
+        "participant_number": session.participant_number,
+    }
+
+
+def _trial(here: Service, session: Session, trial: Trial) -> dict[str, Any]:
+    stimulus = here.stimuli[trial.stimuli[0]]
+    width_px, height_px = here.exhibits.size_px(stimulus)
+    base = f"/api/sessions/{session.id}"
+    return {
+        "index": trial.index,
+        "phase": trial.phase,
+        "image": f"{base}/images/{here.exhibits.image_id(session.id, stimulus)}",
+        "width_px": width_px,
+        "height_px": height_px,
+        "regions": f"{base}/regions/{here.exhibits.regions_id(session.id, stimulus)}",
+        "feedback": trial.feedback,
+    }
+
+
+def _feedback(here: Service, trial: Trial, answer: Answer) -> dict[str, Any] | None:
+    truth = here.stimuli[trial.stimuli[0]].answer
+    if not trial.feedback or truth is None:
+        return None
+    return {"correct": answer == truth, "answer": truth}
