@@ -1,61 +1,59 @@
-"""What participants say of themselves: checked the same way in the lab and on the web."""
+"""What a study may ask of its participants, checked alike on the web and in the lab."""
 
 from collections.abc import Mapping
+from typing import Any
 
 from algorithms.errors import InputError
-from experiments.study import Study
+from experiments.study import DemographicsField, Study
 
 GENDERS = ("female", "male", "other", "undisclosed")
-OLDEST_YEARS = 120
+OLDEST_AGE = 120
+
+_ACCEPTED: Mapping[DemographicsField, str] = {
+    "age": f"a whole number of years, 1 to {OLDEST_AGE}",
+    "gender": ", ".join(GENDERS),
+    "artistic_background": "true or false",
+}
 
 
-def check_demographics(study: Study, given: Mapping[str, object]) -> dict[str, object]:
-    """Return what a participant said, checked against what the study asks.
+def check_demographics(study: Study, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Check that a participant said of themself just what the study asks, and return it.
 
     Parameters
     ----------
     study
-        Its `demographics` names what is asked: nothing less and nothing else is accepted.
+        Its `demographics` names the fields asked.
     given
-        `age` in whole years, 1 to 120; `gender`, one of `GENDERS`; `artistic_background`, True or
-        False.
+        `age` in years (int, 1 to 120), `gender` (female, male, other or undisclosed) and
+        `artistic_background` (bool); exactly those of them that the study asks.
+
+    Returns
+    -------
+    The fields in the study's order.
 
     Raises
     ------
     InputError
-        Naming the first key that is unknown, missing or out of its range.
+        Naming the field that is missing, not asked for or not accepted.
     """
-    for key in given:
-        if key not in study.demographics:
+    for field in given:
+        if field not in study.demographics:
+            raise InputError(f"demographics.{field}: {study.name} does not ask for it")
+    for field in study.demographics:
+        if field not in given:
+            raise InputError(f"demographics.{field}: missing; {_ACCEPTED[field]} accepted")
+        if not _is_accepted(field, given[field]):
             raise InputError(
-                f"demographics.{ascii(key)[1:-1]}: not asked by the study, which asks"
-                f" {', '.join(study.demographics) or 'nothing'}"
+                f"demographics.{field}: {given[field]!r} given, {_ACCEPTED[field]} accepted"
             )
-    for key in study.demographics:
-        if key not in given:
-            raise InputError(f"demographics.{key}: missing")
-        _CHECKS[key](given[key])
-    return {key: given[key] for key in study.demographics}
+    return {field: given[field] for field in study.demographics}
 
 
-def _check_age(age: object) -> None:
-    # True is an int in Python, yet not an age.
-    if not isinstance(age, int) or isinstance(age, bool) or not 1 <= age <= OLDEST_YEARS:
-        raise InputError(f"demographics.age: whole years from 1 to {OLDEST_YEARS} are accepted")
-
-
-def _check_gender(gender: object) -> None:
-    if gender not in GENDERS:
-        raise InputError(f"demographics.gender: one of {', '.join(GENDERS)} is accepted")
-
-
-def _check_artistic_background(artistic_background: object) -> None:
-    if not isinstance(artistic_background, bool):
-        raise InputError("demographics.artistic_background: true or false is accepted")
-
-
-_CHECKS = {
-    "age": _check_age,
-    "gender": _check_gender,
-    "artistic_background": _check_artistic_background,
-}
+def _is_accepted(field: DemographicsField, value: object) -> bool:
+    match field:
+        case "age":
+            return type(value) is int and 1 <= value <= OLDEST_AGE
+        case "gender":
+            return value in GENDERS
+        case "artistic_background":
+            return isinstance(value, bool)

@@ -20,6 +20,8 @@ _CODES = {
     503: "unavailable",
 }
 
+_LONGEST_MESSAGE = 300
+
 
 class ApiError(Exception):
     """An error that the server answers with; everything else is turned into one.
@@ -39,7 +41,8 @@ class ApiError(Exception):
     def __init__(self, status: int, message: str, code: str | None = None, **more: object) -> None:
         super().__init__(message)
         self.status = status
-        self.message = message
+        # What a client sent may be quoted in it: at any length, and in what is no valid Unicode.
+        self.message = message[:_LONGEST_MESSAGE].encode("ascii", "backslashreplace").decode()
         self.code = code or _CODES.get(status, "error")
         self.more = more
 
@@ -79,7 +82,6 @@ def _as_api_error(error: Exception) -> ApiError:
 
 
 def _first_fault(error: RequestValidationError) -> str:
-    """Name the faulty key, but repeat nothing of what was sent but its ASCII spelling."""
     fault = error.errors()[0]
     place = ".".join(str(part) for part in fault["loc"][1:]) or "body"
-    return ascii(f"{place}: {fault['msg']}")[1:-1][:300]
+    return f"{place}: {fault['msg']}"
