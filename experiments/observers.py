@@ -1,0 +1,288 @@
+"""Simulated observers: programs that answer a study's trials with a known psychometric function."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtr, ndtri
+
+from algorithms.errors import InputError
+from experiments.responses import now, response_id
+from experiments.study import Study
+from experiments.trials import Assignment, Trial, planned_trials
+from stimuli.manifest import Stimulus, StimulusSet
+
+_WIDTH_IN_DEVIATIONS = ndtri(0.95) - ndtri(0.05)
+
+Floats = NDArray[np.float64]
+Labels = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Observer:
+    """An observer who notices the odd object with a known probability, and else guesses.
+
+    With guess rate g (1 / choices), lapse rate l and F a cumulative normal, the observer notices
+    the odd object with probability d = (1 - l / (1 - g)) F(level) and then names it; else one of
+    all objects is chosen, each with a probability proportional to its salience. Without salience
+    the right one of them is hit with probability g, so that
+
+        P(right) = d + (1 - d) g = g + (1 - g) d = g + (1 - g - l) F(level),
+
+    which is exactly the psychometric function that is fitted (`psychometric_function`). With
+    salience the observer is biased: g gives way to the odd object's share of the salience.
+    Where nothing is odd (controls) the choice is by salience alone.
+
+    Attributes
+    ----------
+    threshold
+        The level at which F is one half, in the level's unit; or one threshold for each value of
+        the factor named by `condition`.
+    width
+        The levels from F = 5 % to F = 95 %, more than 0.
+    lapse_rate
+        The share of wrong answers however clear the difference; 0 to 0.5.
+    condition
+        The factor that `threshold` depends on, such as `placement`; None for a single threshold.
+    salience
+        How much each label draws guesses, 0 or more; labels not named have 1. None: all alike.
+    noticed_time_s, guessed_time_s
+        The median time of an answer where the odd object was noticed, and of a guess.
+    time_spread
+        The standard deviation of the time's logarithm.
+
+    Raises
+    ------
+    InputError
+        If one of them is out of its range.
+
+    References
+    ----------
+    Wichmann and Hill 2001, Perception & Psychophysics 63(8), eq. 1; the width is defined as by
+    Schuett et al. 2016, Vision Research 122.
+    """
+
+    threshold: float | Mapping[str, float]
+    width: float
+    lapse_rate: float = 0.02
+    condition: str | None = None
+    salience: Mapping[int, float] | None = None
+    noticed_time_s: float = 5.0
+    guessed_time_s: float = 12.0
+    time_spread: float = 0.5
+
+    def __post_init__(self) -> None:
+        _require(self.width > 0, "width", self.width, "more than 0")
+        _require(0 <= self.lapse_rate <= 0.5, "lapse_rate", self.lapse_rate, "0 to 0.5")
+        weights = (self.salience or {}).values()
+        _require(all(weight >= 0 for weight in weights), "salience", self.salience, "0 or more")
+        times = min(self.noticed_time_s, self.guessed_time_s)
+        _require(times > 0, "noticed_time_s, guessed_time_s", times, "more than 0")
+        _require(self.time_spread >= 0, "time_spread", self.time_spread, "0 or more")
+        if isinstance(self.threshold, Mapping) != (self.condition is not None):
+            raise InputError("condition: given when, and only when, there are several thresholds")
+
+    def answer(
+        self, study: Study, stimulus: Stimulus, generator: np.random.Generator
+    ) -> tuple[int, float]:
+        """Return the chosen label and the time in seconds that it took.
+
+        Parameters
+        ----------
+        study
+            Its `stimuli.level` names the factor that the psychometric function is over.
+        stimulus
+            What is shown, truth included.
+        generator
+            Where chance comes from.
+        """
+        shown = _Shown.of(study, [stimulus], self)
+        labels, times_s = _answer_all(self, study.stimuli.choices, shown, generator)
+        return int(labels[0]), float(times_s[0])
+
+    def describe(self) -> str:
+        """Return the observer's parameters in one line, as the answers' `device` keeps them."""
+        threshold = self.threshold
+        if isinstance(threshold, Mapping):
+            threshold_text = ", ".join(f"{key} {value:g}" for key, value in threshold.items())
+        else:
+            threshold_text = f"{threshold:g}"
+        bias = "" if self.salience is None else "; guesses by salience"
+        return (
+            f"simulated observer (threshold {threshold_text}; width {self.width:g};"
+            f" lapse rate {self.lapse_rate:g}{bias})"
+        )
+
+
+def psychometric_function(
+    level: ArrayLike, threshold: ArrayLike, width: float, guess_rate: float, lapse_rate: float
+) -> Floats:
+    """Return the probability of a right answer: g + (1 - g - l) F(level).
+
+    Parameters
+    ----------
+    level, threshold
+        In the same unit; they are broadcast against each other.
+    width
+        From F = 5 % to F = 95 %, in that unit.
+    guess_rate, lapse_rate
+        The lower asymptote, and the distance of the upper one from 1.
+    """
+    return guess_rate + (1 - guess_rate - lapse_rate) * _sigmoid(level, threshold, width)
+
+
+def simulate_responses(
+    study: Study,
+    stimuli: StimulusSet,
+    observer: Observer,
+    participants: int,
+    generator: np.random.Generator,
+) -> pd.DataFrame:
+    """Return what a number of simulated participants answer, without server or store.
+
+    Parameters
+    ----------
+    study, stimuli
+        What they take; participants are numbered from 1.
+    observer
+        How they answer.
+    participants
+        How many, 1 or more.
+    generator
+        Where chance comes from.
+
+    Returns
+    -------
+    One row an answer in the columns of `responses_frame`, every row flagged `simulated`.
+    """
+    _require(participants >= 1, "participants", participants, "1 or more")
+    plans = [planned_trials(study, stimuli, Assignment(n + 1)) for n in range(participants)]
+    number_of = {stimulus.id: number for number, stimulus in enumerate(stimuli.stimuli)}
+    shown = _Shown.of(study, stimuli.stimuli, observer)
+    order = [number_of[trial.stimuli[0]] for plan in plans for trial in plan]
+    labels, times_s = _answer_all(observer, study.stimuli.choices, shown.take(order), generator)
+    return _frame(study, stimuli, observer, plans, labels, times_s)
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """What an observer needs of each stimulus; `odd` is 0 where nothing is odd."""
+
+    level: Floats
+    threshold: Floats
+    odd: Labels
+
+    @classmethod
+    def of(
+        cls, study: Study, stimuli: list[Stimulus] | tuple[Stimulus, ...], observer: Observer
+    ) -> "_Shown":
+        level = study.stimuli.level
+        if level is None:
+            raise InputError("stimuli.level: an observer needs a study that names its level")
+        return cls(
+            level=np.array([_number(stimulus, level) for stimulus in stimuli], np.float64),
+            threshold=np.array([_threshold(observer, s) for s in stimuli], np.float64),
+            odd=np.array([_odd(stimulus) for stimulus in stimuli], np.int64),
+        )
+
+    def take(self, order: list[int]) -> "_Shown":
+        return _Shown(self.level[order], self.threshold[order], self.odd[order])
+
+
+def _answer_all(
+    observer: Observer, choices: int, shown: _Shown, generator: np.random.Generator
+) -> tuple[Labels, Floats]:
+    guess_rate = 1 / choices
+    notice_rate = (1 - observer.lapse_rate / (1 - guess_rate)) * _sigmoid(
+        shown.level, shown.threshold, observer.width
+    )
+    size = len(shown.level)
+    noticed = (generator.random(size) < notice_rate) & (shown.odd > 0)
+    guesses = generator.choice(np.arange(1, choices + 1), size=size, p=_shares(observer, choices))
+    labels = np.where(noticed, shown.odd, guesses)
+    medians_s = np.where(noticed, observer.noticed_time_s, observer.guessed_time_s)
+    return labels, medians_s * generator.lognormal(0, observer.time_spread, size)
+
+
+def _sigmoid(level: ArrayLike, threshold: ArrayLike, width: float) -> Floats:
+    distance = np.asarray(level, np.float64) - np.asarray(threshold, np.float64)
+    below: Floats = ndtr(_WIDTH_IN_DEVIATIONS * distance / width)
+    return below
+
+
+def _shares(observer: Observer, choices: int) -> Floats:
+    salience = observer.salience or {}
+    for label in salience:
+        _require(1 <= label <= choices, "salience", f"label {label}", f"labels 1 to {choices}")
+    weights = np.array([salience.get(label, 1.0) for label in range(1, choices + 1)], np.float64)
+    _require(weights.sum() > 0, "salience", "0 for every label", "more than 0 for one")
+    return weights / weights.sum()
+
+
+def _number(stimulus: Stimulus, factor: str) -> float:
+    value = stimulus.factors.get(factor)
+    if isinstance(value, str) or value is None:
+        raise InputError(f"stimuli.level: {factor} of {stimulus.id} is {value!r}, not a number")
+    return float(value)
+
+
+def _threshold(observer: Observer, stimulus: Stimulus) -> float:
+    if not isinstance(observer.threshold, Mapping):
+        return observer.threshold
+    value = str(stimulus.factors.get(observer.condition or ""))
+    if value not in observer.threshold:
+        raise InputError(f"threshold: none is given for {observer.condition} {value}")
+    return observer.threshold[value]
+
+
+def _odd(stimulus: Stimulus) -> int:
+    if stimulus.answer is None:
+        return 0
+    if not isinstance(stimulus.answer, int):
+        raise InputError(f"answer: {stimulus.id} has {stimulus.answer!r}, a label is accepted")
+    return stimulus.answer
+
+
+def _frame(
+    study: Study,
+    stimuli: StimulusSet,
+    observer: Observer,
+    plans: list[tuple[Trial, ...]],
+    labels: Labels,
+    times_s: Floats,
+) -> pd.DataFrame:
+    people = [f"P{number:04d}" for number, plan in enumerate(plans, start=1) for _ in plan]
+    sessions = [f"{study.name}.{participant}.1" for participant in people]
+    trials = [trial for plan in plans for trial in plan]
+    return pd.DataFrame(
+        {
+            "id": [response_id(s, t.index) for s, t in zip(sessions, trials, strict=True)],
+            "study": study.name,
+            "study_digest": study.digest,
+            "stimuli_digest": stimuli.digest,
+            "participant": people,
+            "session": sessions,
+            "trial_index": [trial.index for trial in trials],
+            "phase": [trial.phase for trial in trials],
+            "stimuli": [trial.stimuli for trial in trials],
+            "answer": labels,
+            "reaction_time_s": times_s,
+            "onset_requested_s": None,
+            "onset_measured_s": None,
+            "frame_interval_s": None,
+            "dropped_frames": None,
+            "input": "none",
+            "device": observer.describe(),
+            "runner": "simulation",
+            "simulated": True,
+            "pilot": False,
+            "recorded_at": now(),
+        }
+    )
+
+
+def _require(fits: bool, name: str, given: object, accepted: str) -> None:
+    if not fits:
+        raise InputError(f"{name}: {given} given, {accepted} accepted")
