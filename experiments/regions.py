@@ -1,5 +1,6 @@
 """The clickable regions of a stimulus: reading them, numbering them, outlining one."""
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,7 @@ from algorithms.errors import InputError
 Regions = NDArray[np.uint8]
 """Label image `(height, width)`: 0 for the background, 1 and more for the objects."""
 
-NUMERAL_GAP = 0.02
-"""From the lower edge of a region to the centre of its numeral, in image heights."""
+Point = tuple[float, float]
 
 
 def load_regions(path: Path) -> Regions:
@@ -34,36 +34,64 @@ def load_regions(path: Path) -> Regions:
         raise InputError(f"{path}: not a label image that can be read") from error
 
 
-def numeral_places(regions: Regions) -> dict[int, tuple[float, float]]:
-    """Return where the numeral of each region is centred, so that it names the object to press.
+def numeral_places(regions: Regions, size_px: float, gap_px: float) -> dict[int, Point]:
+    """Return where the numeral of each region goes: beside it, over no region, inside the image.
 
-    It stands below the middle of the region's bounding box, `NUMERAL_GAP` image heights under its
-    lower edge, and at least as far above the image's lower edge. Every runner follows this rule.
+    Below the region's bounding box if there is room, else above, to the right, to the left or at
+    a corner; where an image is too crowded, the place that covers least. The web's front end
+    follows the same rule (`placement.ts`).
 
     Parameters
     ----------
     regions
-        The label image.
+        The label image `(height, width)`.
+    size_px
+        The side of a numeral's square, in image pixels.
+    gap_px
+        Its distance from the bounding box, in image pixels.
 
     Returns
     -------
-    By label, (x, y) as fractions of the image's width and height from its upper left corner.
+    By label, the numeral's centre (x, y) in image pixels from the upper left corner.
 
     Examples
     --------
     >>> regions = np.zeros((100, 100), np.uint8)
     >>> regions[20:50, 10:30] = 1
-    >>> numeral_places(regions)
-    {1: (0.2, 0.52)}
+    >>> numeral_places(regions, size_px=10, gap_px=2)
+    {1: (20.0, 57.0)}
     """
-    height, width = regions.shape
     places = {}
     for label, box in enumerate(ndimage.find_objects(regions), start=1):
         if box is not None:
             rows, columns = box
-            y = min(rows.stop / height + NUMERAL_GAP, 1 - NUMERAL_GAP)
-            places[label] = ((columns.start + columns.stop) / 2 / width, y)
+            candidates = _candidates(rows, columns, size_px / 2 + gap_px)
+            places[label] = min(candidates, key=partial(_covered, regions, size_px))
     return places
+
+
+def _candidates(rows: slice, columns: slice, away: float) -> list[Point]:
+    """Below, above, to the sides, then the corners of a region's box."""
+    top, bottom, left, right = rows.start, rows.stop, columns.start, columns.stop
+    x, y = (left + right) / 2, (top + bottom) / 2
+    return [
+        (x, bottom + away),
+        (x, top - away),
+        (right + away, y),
+        (left - away, y),
+        (right, bottom + away / 2),
+        (left, bottom + away / 2),
+        (right, top - away / 2),
+        (left, top - away / 2),
+    ]
+
+
+def _covered(regions: Regions, size_px: float, centre: Point) -> int:
+    """Count the pixels of a square that belong to a region or lie outside the image."""
+    left, top = (int(np.floor(middle - size_px / 2)) for middle in centre)
+    side = int(np.ceil(size_px))
+    inside = regions[max(top, 0) : max(top + side, 0), max(left, 0) : max(left + side, 0)]
+    return side * side - inside.size + int(np.count_nonzero(inside))
 
 
 def outline(regions: Regions, label: int, thickness_px: int) -> NDArray[np.bool_]:

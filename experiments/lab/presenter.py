@@ -1,0 +1,146 @@
+"""One trial: a blank screen, the stimulus, and the first answer to it."""
+
+from dataclasses import dataclass
+
+from experiments.answers import Measurement
+from experiments.lab.geometry import Area
+from experiments.lab.pictures import Picture
+from experiments.lab.window import Click, Drawable, Frames, KeyPress, LabWindow
+from experiments.responses import Input
+from experiments.study import Timing
+from experiments.trials import Answer
+
+_QUESTION_BAND = 0.09  # of the window's height, above the image
+_PROGRESS_BAND = 0.04  # of the window's height, below the image
+_QUESTION_SIZE = 0.03  # of the window's height
+_TRACK_RGB = (112, 112, 112)
+_DONE_RGB = (176, 176, 176)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """An answer (None: not in time) and what was measured of its trial."""
+
+    answer: Answer
+    measured: Measurement
+
+
+@dataclass(frozen=True)
+class Surround:
+    """What is drawn around every stimulus: the question above, the progress below."""
+
+    window: LabWindow
+    question: Drawable
+    track: Drawable
+
+    def draw(self, done: float) -> None:
+        """Draw the question and the progress, `done` from 0 to 1."""
+        self.question.draw()
+        self.track.draw()
+        bar = _progress_area(self.window)
+        width_px = round(done * bar.width_px)
+        if width_px:
+            area = Area(bar.left_px, bar.top_px, width_px, bar.height_px)
+            self.window.bar(area, _DONE_RGB).draw()
+
+
+def prepare_surround(window: LabWindow, question: str) -> Surround:
+    """Return what is drawn around every stimulus."""
+    size_px = _QUESTION_SIZE * window.height_px
+    y_px = _QUESTION_BAND / 2 * window.height_px
+    return Surround(
+        window,
+        window.text(question, window.width_px / 2, y_px, size_px),
+        window.bar(_progress_area(window), _TRACK_RGB),
+    )
+
+
+def stimulus_area(window: LabWindow) -> Area:
+    """Return the part of the window that a stimulus may fill."""
+    top_px = round(_QUESTION_BAND * window.height_px)
+    bottom_px = round(_PROGRESS_BAND * window.height_px)
+    return Area(0, top_px, window.width_px, window.height_px - top_px - bottom_px)
+
+
+def present(
+    window: LabWindow, picture: Picture, surround: Surround, timing: Timing, name: str, done: float
+) -> Outcome | None:
+    """Show one trial until it is answered, its time is over or Escape is pressed.
+
+    Parameters
+    ----------
+    window, picture, surround
+        What is shown, and where.
+    timing
+        The blank before the stimulus and the time limit; the stimulus appears in the frame
+        nearest to the end of the blank.
+    name
+        What the trial is called to the experimenter.
+    done
+        The share of trials answered so far.
+
+    Returns
+    -------
+    The outcome, or None after Escape. Its times are exact to one frame.
+    """
+    window.start_frames()
+    requested_s = window.flip() + timing.blank_s
+    while window.time_s() < requested_s - window.frame_s / 2:
+        window.flip()
+    picture.draw()
+    surround.draw(done)
+    onset_s = window.flip()
+    if any(_is_escape(press) for press in window.take_presses()):
+        return None  # all other presses before the onset are no answers
+    window.announce(name)
+    while True:
+        picture.draw()
+        surround.draw(done)
+        shown_s = window.flip()
+        for press in window.take_presses():
+            if _is_escape(press):
+                return None
+            label = picture.label_of(press)
+            if label is not None:
+                onset = (requested_s, onset_s)
+                return _outcome(label, press, onset, window.end_frames())
+        if timing.time_limit_s is not None and shown_s - onset_s >= timing.time_limit_s:
+            return _outcome(None, None, (requested_s, onset_s), window.end_frames())
+
+
+def _outcome(
+    answer: Answer, press: KeyPress | Click | None, onset_s: tuple[float, float], frames: Frames
+) -> Outcome:
+    requested_s, measured_s = onset_s
+    return Outcome(
+        answer,
+        Measurement(
+            reaction_time_s=None if press is None else press.time_s - measured_s,
+            onset_requested_s=requested_s,
+            onset_measured_s=measured_s,
+            frame_interval_s=frames.interval_s,
+            dropped_frames=frames.dropped,
+            input=_input(press),
+        ),
+    )
+
+
+def _input(press: KeyPress | Click | None) -> Input:
+    match press:
+        case KeyPress():
+            return "keyboard"
+        case Click():
+            return "mouse"
+        case None:
+            return "none"
+
+
+def _is_escape(press: KeyPress | Click) -> bool:
+    return isinstance(press, KeyPress) and press.key == "escape"
+
+
+def _progress_area(window: LabWindow) -> Area:
+    height_px = max(3, round(0.008 * window.height_px))
+    middle_px = round((1 - _PROGRESS_BAND / 2) * window.height_px)
+    width_px = round(0.4 * window.width_px)
+    return Area((window.width_px - width_px) // 2, middle_px - height_px // 2, width_px, height_px)

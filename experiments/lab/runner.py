@@ -1,0 +1,254 @@
+"""Running a study in the lab: one participant, one PsychoPy window, the rows of every runner."""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from algorithms.errors import InputError
+from algorithms.files import make_folder
+from experiments.answers import make_response
+from experiments.demographics import check_demographics
+from experiments.lab import pages
+from experiments.lab.pages import show_page
+from experiments.lab.pictures import Picture, load_picture
+from experiments.lab.presenter import Outcome, Surround, prepare_surround, present, stimulus_area
+from experiments.lab.psychopy_files import PsychoPyFiles
+from experiments.lab.window import LabWindow, WindowSettings, open_window
+from experiments.responses import Session
+from experiments.store import NewSession, Store
+from experiments.study import Study, check_stimuli
+from experiments.trials import Answer, Assignment, Trial, next_trial, planned_trials
+from stimuli.manifest import StimulusSet
+
+_PARTICIPANT = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
+
+
+def run_lab(
+    study: Study,
+    stimuli: StimulusSet,
+    store: Store,
+    *,
+    demographics: Mapping[str, Any],
+    folder: Path,
+    participant: str | None = None,
+    participant_number: int | None = None,
+    pilot: bool = False,
+    settings: WindowSettings | None = None,
+    announce: Callable[[str], None] = lambda _page: None,
+) -> Session | None:
+    """Run a study with one participant in a PsychoPy window.
+
+    The same participant's unfinished session goes on at the first trial without an answer. Every
+    answer is stored before the next trial begins.
+
+    Parameters
+    ----------
+    study, stimuli, store
+        What is run, and where its answers are kept.
+    demographics
+        What the participant said of themself: the fields that the study asks for. An unfinished
+        session keeps what it has.
+    folder
+        Where PsychoPy's own CSV and psydat files go.
+    participant, participant_number
+        Who (letters, digits, `_` and `-`), and the number, 1 or more, that fixes the order of the
+        trials; the store gives those that are None.
+    pilot
+        Mark the answers as given for trying the study out.
+    settings
+        The window; None for a full screen.
+    announce
+        Called with the name of each page and trial once it is on the screen (`consent`,
+        `instructions`, `trial 3`, `feedback 3`, `main`, `pause`, `thanks`).
+
+    Returns
+    -------
+    The session, complete or not; None if the participant did not agree to take part.
+
+    Raises
+    ------
+    InputError
+        If an argument is not accepted, the participant has finished, or the window is smaller than
+        the study allows.
+    UnavailableError
+        If PsychoPy or a display is missing.
+    """
+    check_stimuli(study, stimuli)
+    asked = check_demographics(study, demographics)
+    earlier = unfinished_session(study, stimuli, store, participant)
+    if earlier is None:
+        _check_number(study, store, participant_number)
+    make_folder(folder)
+    store.register(study, stimuli)
+    with open_window(settings or WindowSettings(), announce) as window:
+        _check_size(study, window)
+        if earlier is not None:
+            session = _taken_up(store, earlier, window)
+        elif show_page(window, pages.consent_page(study), ("enter", "escape")) == "enter":
+            new = NewSession(
+                runner="lab",
+                device=window.device,
+                demographics=asked,
+                screen=window.screen,
+                pilot=pilot,
+                participant=participant,
+                participant_number=participant_number,
+            )
+            session, _ = store.begin_session(study, stimuli, new)
+        else:
+            return None
+        files = PsychoPyFiles(folder, study, session, window.refresh_hz)
+        _Run(study, stimuli, store, session, window, files).to_the_end()
+    return store.session(session.id)
+
+
+def unfinished_session(
+    study: Study, stimuli: StimulusSet, store: Store, participant: str | None
+) -> Session | None:
+    """Return the session that a participant can take up again, or None for a new participant.
+
+    Raises
+    ------
+    InputError
+        If the participant has finished, or began with another runner, study version or stimuli,
+        or is not a name that is accepted.
+    """
+    if participant is None:
+        return None
+    if not _PARTICIPANT.fullmatch(participant):
+        raise InputError(
+            f"participant: {participant!r} given; up to 64 letters, digits, '_' and '-' accepted"
+        )
+    sessions = store.sessions(study=study.name)
+    session = next((each for each in sessions if each.participant == participant), None)
+    if session is None:
+        return None
+    if session.completed_at is not None:
+        raise InputError(f"participant: {participant} has already finished {study.name}")
+    if session.runner != "lab":
+        raise InputError(f"participant: {participant} has begun {study.name} with another runner")
+    if (session.study_digest, session.stimuli_digest) != (study.digest, stimuli.digest):
+        raise InputError(
+            f"participant: {participant} has begun {study.name} with another version of the study"
+            " or its stimuli"
+        )
+    return session
+
+
+def _check_number(study: Study, store: Store, number: int | None) -> None:
+    taken = {session.participant_number for session in store.sessions(study=study.name)}
+    if number is not None and (number < 1 or number in taken):
+        raise InputError(
+            f"participant_number: {number} given; 1 or more and not taken by another participant"
+            " accepted"
+        )
+
+
+def _check_size(study: Study, window: LabWindow) -> None:
+    least = (study.screen.minimum_width_px, study.screen.minimum_height_px)
+    if window.width_px < least[0] or window.height_px < least[1]:
+        raise InputError(
+            f"screen: the window is {window.width_px} x {window.height_px} pixels,"
+            f" {study.name} needs {least[0]} x {least[1]}"
+        )
+
+
+def _taken_up(store: Store, session: Session, window: LabWindow) -> Session:
+    """Note that a session goes on, perhaps elsewhere; its rows name the device of their sitting."""
+    detail = {"device": window.device, "screen": window.screen}
+    store.add_event(session.id, "resume", detail)
+    return replace(session, device=window.device)
+
+
+@dataclass(frozen=True)
+class _Run:
+    """One sitting of a session."""
+
+    study: Study
+    stimuli: StimulusSet
+    store: Store
+    session: Session
+    window: LabWindow
+    files: PsychoPyFiles
+
+    def to_the_end(self) -> None:
+        """Show all that is left of the session, or leave early at the participant's wish."""
+        answers = self.store.answers(self.session.id)
+        pictures = self._load_pictures(answers)
+        surround = prepare_surround(self.window, self.study.question)
+        example = pages.example_picture(self.window, self.stimuli)
+        show_page(self.window, pages.instructions_page(self.study), picture=example)
+        before: Trial | None = None
+        while (trial := self._next_trial(answers)) is not None:
+            if before is not None and (before.phase, trial.phase) == ("practice", "main"):
+                show_page(self.window, pages.main_page(len(self._planned()) - trial.index))
+            outcome = self._present(trial, pictures[trial.stimuli[0]], surround)
+            if outcome is None:
+                return
+            self._record(trial, outcome)
+            answers[trial.index] = outcome.answer
+            if trial.feedback:
+                self._give_feedback(trial, outcome.answer)
+            before = trial
+        code = self.store.complete(self.session.id)
+        show_page(self.window, pages.thanks_page(code))
+
+    def _planned(self) -> tuple[Trial, ...]:
+        return planned_trials(self.study, self.stimuli, self._assignment())
+
+    def _assignment(self) -> Assignment:
+        return Assignment(self.session.participant_number)
+
+    def _next_trial(self, answers: Mapping[int, Answer]) -> Trial | None:
+        return next_trial(self.study, self.stimuli, self._assignment(), answers)
+
+    def _load_pictures(self, answers: Mapping[int, Answer]) -> dict[str, Picture]:
+        """Load every stimulus that is still to be shown onto the graphics card."""
+        area = stimulus_area(self.window)
+        left = {trial.stimuli[0] for trial in self._planned() if trial.index not in answers}
+        pictures = {}
+        for number, identifier in enumerate(sorted(left)):
+            stimulus = self.stimuli[identifier]
+            pictures[identifier] = load_picture(self.window, self.stimuli, stimulus, area)
+            self._show_loading(number + 1, len(left))
+        return pictures
+
+    def _show_loading(self, loaded: int, total: int) -> None:
+        middle = (self.window.width_px / 2, self.window.height_px / 2)
+        text = f"Loading images: {loaded} of {total}"
+        self.window.text(text, *middle, 0.03 * self.window.height_px).draw()
+        self.window.flip()
+
+    def _present(self, trial: Trial, picture: Picture, surround: Surround) -> Outcome | None:
+        """Present a trial, again after each pause; None when the participant leaves."""
+        done = trial.index / len(self._planned())
+        timing, name = self.study.timing, f"trial {trial.index}"
+        while True:
+            outcome = present(self.window, picture, surround, timing, name, done)
+            if outcome is not None:
+                return outcome
+            self._note("pause", trial)
+            if show_page(self.window, pages.pause_page(), ("enter", "escape")) == "escape":
+                self._note("leave", trial)
+                return None
+            self._note("continue", trial)
+
+    def _note(self, kind: str, trial: Trial) -> None:
+        self.store.add_event(self.session.id, kind, {"trial_index": trial.index})
+
+    def _record(self, trial: Trial, outcome: Outcome) -> None:
+        response = make_response(
+            self.study, self.stimuli, self.session, trial.index, outcome.answer, outcome.measured
+        )
+        self.store.record(response)
+        self.files.add(response)
+
+    def _give_feedback(self, trial: Trial, answer: Answer) -> None:
+        stimulus = self.stimuli[trial.stimuli[0]]
+        if isinstance(stimulus.answer, int):
+            area = pages.picture_area(self.window)
+            picture = load_picture(self.window, self.stimuli, stimulus, area)
+            page = pages.feedback_page(trial, answer, stimulus.answer)
+            show_page(self.window, page, picture=picture.outlined(stimulus.answer))

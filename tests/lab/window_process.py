@@ -1,0 +1,41 @@
+"""Runs one sitting in the lab as a process of its own, as `trompe study run-lab` does.
+
+pyglet wants the main thread, and PsychoPy's warnings are not ours. Each page's name goes to the
+standard output, so that a test knows when to act.
+"""
+
+import json
+import sys
+from pathlib import Path
+
+from algorithms.errors import UserError
+from experiments.lab.runner import run_lab
+from experiments.lab.window import WindowSettings
+from experiments.store import Store
+from experiments.study import load_study
+from stimuli.manifest import load
+
+
+def main() -> None:
+    given = json.loads(sys.argv[1])
+    try:
+        with Store.open(given["store"]) as store:
+            session = run_lab(
+                load_study(given["study"]),
+                load(given["stimuli"]),
+                store,
+                demographics=given["demographics"],
+                folder=Path(given["folder"]),
+                participant=given["participant"],
+                participant_number=given["participant_number"],
+                settings=WindowSettings(**given["settings"]),
+                announce=lambda page: print(page, flush=True),  # noqa: T201
+            )
+    except UserError as error:
+        print(error, file=sys.stderr)  # noqa: T201
+        sys.exit(2)
+    print("completed" if session and session.completed_at else "left", flush=True)  # noqa: T201
+
+
+if __name__ == "__main__":
+    main()
