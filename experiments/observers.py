@@ -111,8 +111,8 @@ class Observer:
             threshold_text = f"{threshold:g}"
         bias = "" if self.salience is None else "; guesses by salience"
         return (
-            f"simulated observer (threshold {threshold_text}; width {self.width:g};"
-            f" lapse rate {self.lapse_rate:g}{bias})"
+            f"simulated observer: threshold {threshold_text}; width {self.width:g};"
+            f" lapse rate {self.lapse_rate:g}{bias}"
         )
 
 
@@ -218,7 +218,8 @@ def _shares(observer: Observer, choices: int) -> Floats:
         _require(1 <= label <= choices, "salience", f"label {label}", f"labels 1 to {choices}")
     weights = np.array([salience.get(label, 1.0) for label in range(1, choices + 1)], np.float64)
     _require(weights.sum() > 0, "salience", "0 for every label", "more than 0 for one")
-    return weights / weights.sum()
+    shares: Floats = weights / weights.sum()
+    return shares
 
 
 def _number(stimulus: Stimulus, factor: str) -> float:

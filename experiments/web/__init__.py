@@ -1,7 +1,15 @@
 """The same study in a browser: server, store and front end."""
 
 from experiments.web.app import create_app
-from experiments.web.server import listen, running_server, serve
-from experiments.web.service import researcher_token
+from experiments.web.server import base_url, listen, running_server, serve
+from experiments.web.service import links, researcher_token
 
-__all__ = ["create_app", "listen", "researcher_token", "running_server", "serve"]
+__all__ = [
+    "base_url",
+    "create_app",
+    "links",
+    "listen",
+    "researcher_token",
+    "running_server",
+    "serve",
+]

@@ -4,8 +4,7 @@ from typing import Any
 
 from fastapi import APIRouter, Response
 
-from experiments.export import table_csv
-from experiments.responses import responses_frame
+from experiments.export import table_text
 from experiments.web.progress import study_progress
 from experiments.web.service import Here, KnownStudy, Researcher
 
@@ -21,7 +20,7 @@ def show_progress(here: Here) -> dict[str, Any]:
 @router.get("/{study}/responses.csv")
 def download_responses(here: Here) -> Response:
     """Send all responses of the study."""
-    table = responses_frame(here.store.responses(study=here.study.name))
+    content = table_text(here.store, "responses", here.study.name)
     name = f"{here.study.name}-responses.csv"
     headers = {"Content-Disposition": f'attachment; filename="{name}"'}
-    return Response(table_csv(table), media_type="text/csv", headers=headers)
+    return Response(content, media_type="text/csv", headers=headers)

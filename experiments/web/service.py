@@ -52,6 +52,18 @@ def researcher_token(store: Store) -> str:
     return store.setting("researcher_token", lambda: secrets.token_urlsafe(24))
 
 
+def links(url: str, study: Study, store: Store) -> dict[str, str]:
+    """Return the participants' and the researcher's link to a study.
+
+    The researcher's token stands behind the `#`, which browsers keep to themselves: it reaches
+    neither the server's logs nor those on the way.
+    """
+    return {
+        "participants": f"{url}/s/{study.name}/",
+        "researcher": f"{url}/researcher/{study.name}/#{researcher_token(store)}",
+    }
+
+
 def server_secret(store: Store) -> str:
     """Return the secret from which opaque ids are made; it is the store's own for good."""
     return store.setting("server_secret", lambda: secrets.token_hex(32))

@@ -1,0 +1,281 @@
+"""The commands of `trompe study`."""
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.progress import Progress
+
+from algorithms.errors import InputError
+from algorithms.files import write_atomically
+from experiments.study import Study, check_stimuli, load_study
+from experiments.template import write_template
+from experiments.trials import Assignment, planned_trials
+from stimuli.manifest import StimulusSet
+from stimuli.manifest import load as load_stimuli
+
+# Servers, databases and windows are imported by the commands that need them, so that the others
+# start at once.
+
+app = typer.Typer(no_args_is_help=True, help="Write, check, run and export studies.")
+
+StudyFile = Annotated[
+    str, typer.Argument(metavar="STUDY", help="A TOML file or a ready-made name.")
+]
+Stimuli = Annotated[Path, typer.Option(help="The folder of the stimulus set.")]
+Data = Annotated[Path, typer.Option(help="The response store, a SQLite file; made if missing.")]
+Host = Annotated[str, typer.Option(help="The address to serve at.")]
+Port = Annotated[int, typer.Option(min=0, max=65535, help="0 takes any free one.")]
+Pilot = Annotated[bool, typer.Option("--pilot", help="Flag the answers as a pilot's.")]
+Json = Annotated[bool, typer.Option("--json", help="Machine-readable output.")]
+
+
+@app.command()
+def new(
+    name: Annotated[str, typer.Argument(help="Lower-case letters, digits, hyphens.")],
+    folder: Annotated[Path, typer.Option(help="Where the file goes.")] = Path(),
+) -> None:
+    """Write a commented study file to begin with."""
+    typer.echo(f"wrote {write_template(name, folder)}")
+
+
+@app.command()
+def check(
+    study: StudyFile,
+    stimuli: Annotated[Path | None, typer.Option(help="A stimulus set to check it with.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Check a study file, and whether it can run with a stimulus set."""
+    loaded = load_study(study)
+    facts: dict[str, Any] = {
+        "study": loaded.name,
+        "version": loaded.version,
+        "task": loaded.task,
+        "chance": loaded.guess_rate,
+        "digest": loaded.digest,
+    }
+    if stimuli is not None:
+        trials = planned_trials(loaded, _verified(loaded, stimuli), Assignment(1))
+        facts["practice_trials"] = sum(trial.phase == "practice" for trial in trials)
+        facts["main_trials"] = sum(trial.phase == "main" for trial in trials)
+    _print_facts(facts, as_json)
+
+
+@app.command()
+def serve(
+    study: StudyFile,
+    stimuli: Stimuli,
+    data: Data,
+    host: Host = "127.0.0.1",
+    port: Port = 8000,
+    pilot: Pilot = False,
+    as_json: Json = False,
+) -> None:
+    """Serve a study to browsers until interrupted, and print the links to it."""
+    from experiments import web
+    from experiments.store import Store
+
+    loaded = load_study(study)
+    stimulus_set = _verified(loaded, stimuli)
+    with Store.open(data) as store:
+        application = web.create_app(loaded, stimulus_set, store, pilot=pilot)
+        listener = web.listen(host, port)
+        _print_facts(web.links(web.base_url(listener), loaded, store), as_json)
+        web.serve(application, listener)
+
+
+@app.command()
+def simulate(
+    study: StudyFile,
+    stimuli: Stimuli,
+    url: Annotated[str | None, typer.Option(help="Of a server that serves the study.")] = None,
+    data: Annotated[
+        Path | None, typer.Option(help="Without --url: serve into this store for the while.")
+    ] = None,
+    participants: Annotated[int, typer.Option(min=1)] = 24,
+    threshold: Annotated[
+        str, typer.Option(help="25, or one for each condition: front=20,back=30.")
+    ] = "25",
+    condition: Annotated[
+        str | None, typer.Option(help="The factor that the thresholds are for.")
+    ] = None,
+    width: Annotated[float, typer.Option(help="From 5 % to 95 % of the function.")] = 30.0,
+    lapse_rate: Annotated[float, typer.Option(help="0 to 0.5.")] = 0.02,
+    salience: Annotated[
+        str | None, typer.Option(help="How much labels draw guesses, 5=3,2=2; the others have 1.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Fixes every random choice.")] = 2011,
+    concurrency: Annotated[int, typer.Option(min=1, help="How many at the same time.")] = 4,
+    as_json: Json = False,
+) -> None:
+    """Let simulated observers take a study through the real web interface."""
+    from experiments.observers import Observer
+    from experiments.web.simulate import simulate_over_http
+
+    observer = Observer(
+        threshold=_threshold_of(threshold),
+        width=width,
+        lapse_rate=lapse_rate,
+        condition=condition,
+        salience=_salience_of(salience),
+    )
+    loaded = load_study(study)
+    stimulus_set = _verified(loaded, stimuli)
+    with _server_for(url, data, loaded, stimulus_set) as address, _progress(participants) as bar:
+        sessions = simulate_over_http(
+            address,
+            participants,
+            observer,
+            loaded,
+            stimulus_set,
+            np.random.default_rng(seed),
+            concurrency=concurrency,
+            on_completed=lambda _: bar.advance(bar.task_ids[0]),
+        )
+    _print_facts({"simulated_sessions": len(sessions), "seed": seed}, as_json)
+
+
+@app.command()
+def export(
+    data: Annotated[Path, typer.Argument(metavar="DATA", help="The response store.")],
+    table: Annotated[
+        Literal["responses", "sessions", "events"], typer.Option(help="Which of its tables.")
+    ] = "responses",
+    study: Annotated[str | None, typer.Option(help="Only the study of this name.")] = None,
+    form: Annotated[Literal["csv", "json"], typer.Option("--format")] = "csv",
+    output: Annotated[Path | None, typer.Option(help="A file instead of the terminal.")] = None,
+) -> None:
+    """Write the answers, sessions or events of a store as CSV or JSON."""
+    from experiments.export import table_text
+    from experiments.store import Store
+
+    with Store.open(data, must_exist=True) as store:
+        text = table_text(store, table, study, form)
+    if output is None:
+        typer.echo(text, nl=False)
+        return
+    if output.resolve() == data.resolve():
+        raise InputError(f"output: {output} is the store itself")
+    write_atomically(output, text.encode())
+
+
+@app.command("run-lab")
+def run_lab(
+    study: StudyFile,
+    stimuli: Stimuli,
+    data: Data,
+    participant: Annotated[
+        str | None, typer.Option(help="Who; an unfinished session is taken up again.")
+    ] = None,
+    participant_number: Annotated[
+        int | None, typer.Option(min=1, help="Fixes the order; without it the next one.")
+    ] = None,
+    age: Annotated[int | None, typer.Option(help="In years.")] = None,
+    gender: Annotated[str | None, typer.Option(help="female, male, other or undisclosed.")] = None,
+    artistic_background: Annotated[
+        bool | None, typer.Option("--artistic-background/--no-artistic-background")
+    ] = None,
+    folder: Annotated[Path, typer.Option(help="Where PsychoPy's own files go.")] = Path("psychopy"),
+    window: Annotated[
+        tuple[int, int] | None, typer.Option(help="Width and height in px; else the full screen.")
+    ] = None,
+    screen: Annotated[int, typer.Option(min=0, help="Which screen.")] = 0,
+    monitor: Annotated[str | None, typer.Option(help="Its name in PsychoPy.")] = None,
+    pilot: Pilot = False,
+) -> None:
+    """Run a study with one participant in a PsychoPy window on this machine."""
+    from experiments.lab import runner
+    from experiments.lab.window import WindowSettings
+    from experiments.store import Store
+
+    loaded = load_study(study)
+    stimulus_set = _verified(loaded, stimuli)
+    said = {"age": age, "gender": gender, "artistic_background": artistic_background}
+    with Store.open(data) as store:
+        session = runner.run_lab(
+            loaded,
+            stimulus_set,
+            store,
+            demographics={key: value for key, value in said.items() if value is not None},
+            folder=folder,
+            participant=participant,
+            participant_number=participant_number,
+            pilot=pilot,
+            settings=WindowSettings(window is None, window, screen, monitor),
+        )
+    typer.echo("no consent, nothing stored" if session is None else f"session {session.id}")
+
+
+def _verified(study: Study, folder: Path) -> StimulusSet:
+    """Load a stimulus set that fits a study and whose files are what they were made to be."""
+    stimuli = load_stimuli(folder)
+    check_stimuli(study, stimuli)
+    stimuli.verify()
+    return stimuli
+
+
+def _print_facts(facts: dict[str, Any], as_json: bool) -> None:
+    if as_json:
+        typer.echo(json.dumps(facts))
+        return
+    width = max(len(name) for name in facts)
+    for name, value in facts.items():
+        typer.echo(f"{name.replace('_', ' '):{width}}  {value}")
+
+
+@contextmanager
+def _server_for(
+    url: str | None, data: Path | None, study: Study, stimuli: StimulusSet
+) -> Iterator[str]:
+    """Yield the given URL, or that of a server that fills the given store meanwhile."""
+    if url is not None and data is None:
+        yield url
+    elif data is not None and url is None:
+        from experiments import web
+        from experiments.store import Store
+
+        with (
+            Store.open(data) as store,
+            web.running_server(web.create_app(study, stimuli, store)) as address,
+        ):
+            yield address
+    else:
+        raise InputError("url, data: one of --url and --data is needed, not both")
+
+
+@contextmanager
+def _progress(total: int) -> Iterator[Progress]:
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        bar.add_task("simulated participants", total=total)
+        yield bar
+
+
+def _threshold_of(text: str) -> float | dict[str, float]:
+    return _pairs("threshold", text) if "=" in text else _number("threshold", text)
+
+
+def _salience_of(text: str | None) -> dict[int, float] | None:
+    if text is None:
+        return None
+    return {
+        int(_number("salience", label)): weight
+        for label, weight in _pairs("salience", text).items()
+    }
+
+
+def _pairs(option: str, text: str) -> dict[str, float]:
+    parts = [part.partition("=") for part in text.split(",")]
+    return {name.strip(): _number(option, value) for name, _, value in parts}
+
+
+def _number(option: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"{option}: {text!r} given, a number accepted") from None

@@ -1,0 +1,171 @@
+"""Simulated participants who take a study through the real HTTP interface."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import httpx
+import numpy as np
+
+from algorithms.errors import InputError
+from experiments.demographics import GENDERS
+from experiments.observers import Observer
+from experiments.responses import response_id
+from experiments.study import Study
+from experiments.trials import Assignment, Trial, planned_trials
+from experiments.web.exhibits import shown_png
+from stimuli.manifest import StimulusSet
+
+_TIMEOUT_S = 60.0
+
+
+def simulate_over_http(
+    url: str,
+    participants: int,
+    observer: Observer,
+    study: Study,
+    stimuli: StimulusSet,
+    generator: np.random.Generator,
+    *,
+    concurrency: int = 4,
+    images: int = 1,
+    on_completed: Callable[[str], None] | None = None,
+) -> list[str]:
+    """Let simulated participants take a study that is being served.
+
+    They know what is odd from the stimulus set on disk and from the number that the server gave
+    them, never from what the server sends. Every answer is flagged `simulated`. The answers
+    depend on the generator and the participants' numbers alone, not on who comes first.
+
+    Parameters
+    ----------
+    url
+        The server's base URL, such as `http://127.0.0.1:8000`.
+    participants
+        How many, 1 or more.
+    observer
+        How they answer.
+    study, stimuli
+        What is being served.
+    generator
+        Where chance comes from.
+    concurrency
+        How many take part at the same time.
+    images
+        How many of its images each participant fetches and compares with the set on disk.
+    on_completed
+        Called with each session that is complete.
+
+    Returns
+    -------
+    The ids of the sessions, in the order of the participants' numbers.
+
+    Raises
+    ------
+    InputError
+        If the server cannot be reached, refuses something, or serves another study or set.
+    """
+    for name, value in (("participants", participants), ("concurrency", concurrency)):
+        if value < 1:
+            raise InputError(f"{name}: {value} given, 1 or more accepted")
+    seed = int(generator.integers(2**63))
+
+    def take_part(client: httpx.Client) -> tuple[int, str]:
+        number, session = _Visit(client, observer, study, stimuli, seed, images).take_part()
+        if on_completed is not None:
+            on_completed(session)
+        return number, session
+
+    with (
+        httpx.Client(base_url=url, timeout=_TIMEOUT_S) as client,
+        ThreadPoolExecutor(concurrency) as pool,
+    ):
+        finished = list(pool.map(take_part, [client] * participants))
+    return [session for _, session in sorted(finished)]
+
+
+@dataclass(frozen=True)
+class _Visit:
+    """One simulated participant."""
+
+    client: httpx.Client
+    observer: Observer
+    study: Study
+    stimuli: StimulusSet
+    seed: int
+    images: int
+
+    def take_part(self) -> tuple[int, str]:
+        """Take the study from consent to completion; return the number and the session."""
+        begun = self._begin()
+        session, number = str(begun["session"]), int(begun["participant_number"])
+        token, base = str(begun["token"]), f"/api/sessions/{session}"
+        generator = np.random.default_rng([self.seed, number])
+        trials = planned_trials(self.study, self.stimuli, Assignment(number))
+        told = self._call("GET", base, token).json()["trials"]
+        self._compare_images(trials, told, token)
+        for trial in trials:
+            self._call("POST", f"{base}/answers", token, self._answer(session, trial, generator))
+        self._call("POST", f"{base}/complete", token)
+        return number, session
+
+    def _begin(self) -> dict[str, Any]:
+        # Nobody has an age or a gender here; the study may ask for them all the same.
+        said = {"age": 30, "gender": GENDERS[-1], "artistic_background": False}
+        message = {
+            "consent_version": self.study.consent.version,
+            "demographics": {key: said[key] for key in self.study.demographics},
+            "screen": {},
+            "device": f"{self.observer.describe()}; seed {self.seed}",
+            "simulated": True,
+        }
+        path = f"/api/studies/{self.study.name}/sessions"
+        begun: dict[str, Any] = self._call("POST", path, None, message).json()
+        return begun
+
+    def _compare_images(
+        self, trials: tuple[Trial, ...], told: list[dict[str, Any]], token: str
+    ) -> None:
+        if len(told) != len(trials):
+            raise InputError(
+                f"url: the server has {len(told)} trials, the study and set here {len(trials)}"
+            )
+        for trial, seen in list(zip(trials, told, strict=True))[: self.images]:
+            path = self.stimuli.path(self.stimuli[trial.stimuli[0]].file)
+            if self._call("GET", seen["image"], token).content != shown_png(path.read_bytes()):
+                raise InputError("url: the server shows other images than the set given here")
+
+    def _answer(self, session: str, trial: Trial, generator: np.random.Generator) -> dict[str, Any]:
+        stimulus = self.stimuli[trial.stimuli[0]]
+        answer, reaction_time_s = self.observer.answer(self.study, stimulus, generator)
+        return {
+            "id": response_id(session, trial.index),
+            "trial_index": trial.index,
+            "answer": answer,
+            "reaction_time_s": reaction_time_s,
+            "onset_requested_s": None,
+            "onset_measured_s": None,
+            "frame_interval_s": None,
+            "dropped_frames": None,
+            "input": "none",
+        }
+
+    def _call(
+        self, method: str, path: str, token: str | None, message: object = None
+    ) -> httpx.Response:
+        headers = {} if token is None else {"Authorization": f"Bearer {token}"}
+        try:
+            reply = self.client.request(method, path, json=message, headers=headers)
+        except (httpx.HTTPError, httpx.InvalidURL) as error:
+            raise InputError(f"url: {self.client.base_url} does not answer ({error})") from error
+        if reply.is_error:
+            raise InputError(f"url: the server refused {method} {path}: {_reason(reply)}")
+        return reply
+
+
+def _reason(reply: httpx.Response) -> str:
+    try:
+        return str(reply.json()["error"]["message"])
+    except (ValueError, KeyError, TypeError):
+        return f"status {reply.status_code}"
