@@ -1,0 +1,104 @@
+/** Waiting for a participant's answer: a press on an object, its number key, or the time limit. */
+
+import type { InputKind } from "./api";
+import { BACKGROUND } from "./regions";
+import type { Stage } from "./stage";
+
+/** An answer as given. */
+export interface GivenAnswer {
+  /** The label chosen, or null when the time limit passed. */
+  answer: number | null;
+  /** When the pointer or the key went down, seconds on the animation clock; null with no answer. */
+  given_s: number | null;
+  input: InputKind;
+}
+
+/**
+ * Resolve with the first answer.
+ *
+ * A press with the pointer counts when it begins and ends on the same object, so that a slip can
+ * be taken back; its time is that of its beginning.
+ *
+ * @param timeLimit_s - How long to wait, or null for as long as it takes.
+ */
+export function waitForAnswer(
+  stage: Stage,
+  choices: number,
+  timeLimit_s: number | null,
+): Promise<GivenAnswer> {
+  return new Promise((resolve) => {
+    const done = new AbortController();
+    const finish = (answer: GivenAnswer) => {
+      done.abort();
+      resolve(answer);
+    };
+    listenToPointer(stage, done.signal, finish);
+    listenToKeys(choices, done.signal, finish);
+    listenToButtons(stage, done.signal, finish);
+    if (timeLimit_s !== null) {
+      const none: GivenAnswer = { answer: null, given_s: null, input: "none" };
+      const timer = setTimeout(() => finish(none), 1000 * timeLimit_s);
+      done.signal.addEventListener("abort", () => clearTimeout(timer));
+    }
+  });
+}
+
+/**
+ * Return the number that a key stands for, or null.
+ *
+ * The digit row counts by its place: on some layouts it types digits only with Shift held.
+ */
+export function numberOfKey(event: KeyboardEvent, choices: number): number | null {
+  if (event.repeat || event.ctrlKey || event.altKey || event.metaKey) {
+    return null;
+  }
+  const digit = /^(?:Digit|Numpad)([1-9])$/.exec(event.code)?.[1] ?? /^[1-9]$/.exec(event.key)?.[0];
+  const number = Number(digit ?? 0);
+  return number >= 1 && number <= choices ? number : null;
+}
+
+type Finish = (answer: GivenAnswer) => void;
+
+function listenToPointer(stage: Stage, signal: AbortSignal, finish: Finish): void {
+  let press: { pointer: number; label: number; given_s: number } | null = null;
+  const down = (event: PointerEvent) => {
+    const label = event.isPrimary && event.button === 0 ? stage.labelOf(event) : BACKGROUND;
+    press = { pointer: event.pointerId, label, given_s: event.timeStamp / 1000 };
+  };
+  const up = (event: PointerEvent) => {
+    const same = press?.pointer === event.pointerId && press.label === stage.labelOf(event);
+    if (same && press !== null && press.label !== BACKGROUND) {
+      const input = event.pointerType === "touch" ? "touch" : "mouse";
+      finish({ answer: press.label, given_s: press.given_s, input });
+    }
+    press = null;
+  };
+  const cancel = () => {
+    press = null;
+  };
+  stage.area.addEventListener("pointerdown", down, { signal });
+  stage.area.addEventListener("pointerup", up, { signal });
+  stage.area.addEventListener("pointercancel", cancel, { signal });
+}
+
+function listenToKeys(choices: number, signal: AbortSignal, finish: Finish): void {
+  const down = (event: KeyboardEvent) => {
+    const answer = numberOfKey(event, choices);
+    if (answer !== null) {
+      finish({ answer, given_s: event.timeStamp / 1000, input: "keyboard" });
+    }
+  };
+  document.addEventListener("keydown", down, { signal });
+}
+
+/** The number buttons, pressed from the keyboard or by assistive technology (no pointer). */
+function listenToButtons(stage: Stage, signal: AbortSignal, finish: Finish): void {
+  for (const [answer, button] of stage.numbers) {
+    const click = (event: MouseEvent) => {
+      if (event.detail === 0) {
+        finish({ answer, given_s: event.timeStamp / 1000, input: "keyboard" });
+      }
+    };
+    button.addEventListener("click", click, { signal });
+  }
+}

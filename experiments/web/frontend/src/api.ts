@@ -1,0 +1,160 @@
+/** The server's interface for participants: its messages and the calls. Times are in seconds. */
+
+import { ApiError } from "./retry";
+
+const TIMEOUT_S = 20;
+
+export type DemographicsField = "age" | "gender" | "artistic_background";
+export type Gender = "female" | "male" | "other" | "undisclosed";
+export type InputKind = "mouse" | "touch" | "keyboard" | "none";
+
+/** What a participant says of themself; only the fields that the study lists. */
+export interface Demographics {
+  age?: number;
+  gender?: Gender;
+  artistic_background?: boolean;
+}
+
+/** What everybody may know of a study. `example` is no trial, so its answer is no secret. */
+export interface Study {
+  study: string;
+  title: string;
+  question: string;
+  instructions: string[];
+  language: string;
+  choices: number;
+  consent: { version: string; text: string };
+  demographics: DemographicsField[];
+  screen: { minimum_width_px: number; minimum_height_px: number };
+  timing: { blank_s: number; time_limit_s: number | null };
+  example: { image: string; regions: string; answer: number } | null;
+  accepting: boolean;
+}
+
+/** A session's id and the secret that opens it. */
+export interface Credentials {
+  session: string;
+  token: string;
+}
+
+/** One presentation; `image` and `regions` are addresses that say nothing about the contents. */
+export interface Trial {
+  index: number;
+  phase: "practice" | "main";
+  image: string;
+  regions: string;
+  width_px: number;
+  height_px: number;
+  feedback: boolean;
+}
+
+/** A session as the server knows it. */
+export interface Session {
+  session: string;
+  participant: string;
+  participant_number: number;
+  trials: Trial[];
+  answered: number[];
+  complete: boolean;
+  completion_code: string | null;
+}
+
+/** Label and length of each run of equal labels, row by row; label 0 is the background. */
+export interface RegionRuns {
+  width_px: number;
+  height_px: number;
+  runs: [label: number, length: number][];
+}
+
+/** An answer with what was measured; `answer` is null when the time limit passed. */
+export interface Answer {
+  id: string;
+  trial_index: number;
+  answer: number | null;
+  reaction_time_s: number | null;
+  onset_requested_s: number;
+  onset_measured_s: number;
+  frame_interval_s: number | null;
+  dropped_frames: number;
+  input: InputKind;
+}
+
+export interface Feedback {
+  correct: boolean;
+  answer: number;
+}
+
+export interface AnswerReply {
+  stored: boolean;
+  feedback: Feedback | null;
+}
+
+/** What is sent to open a session. */
+export interface NewSession {
+  consent_version: string;
+  demographics: Demographics;
+  screen: Record<string, number>;
+  device: string;
+  simulated: false;
+}
+
+export const api = {
+  study: (name: string) => getJson<Study>(`/api/studies/${name}`),
+  begin: (name: string, session: NewSession) =>
+    post<Credentials>(`/api/studies/${name}/sessions`, null, session),
+  session: ({ session, token }: Credentials) => getJson<Session>(sessionPath(session), token),
+  complete: ({ session, token }: Credentials) =>
+    post<{ completion_code: string }>(`${sessionPath(session)}/complete`, token, {}),
+};
+
+/** The address below which everything of a session lies. */
+export function sessionPath(session: string): string {
+  return `/api/sessions/${encodeURIComponent(session)}`;
+}
+
+/** The id of a session's answer to a trial, the same however often it is made. */
+export function answerId(session: string, trialIndex: number): string {
+  return `${session}.${String(trialIndex).padStart(4, "0")}`;
+}
+
+export async function getJson<T>(path: string, token: string | null = null): Promise<T> {
+  return (await (await request(path, token)).json()) as T;
+}
+
+export async function getBlob(path: string, token: string | null = null): Promise<Blob> {
+  return (await request(path, token)).blob();
+}
+
+/** Post a JSON body and return the reply, or null where the reply is empty. */
+export async function post<T>(path: string, token: string | null, body: unknown): Promise<T> {
+  const response = await request(path, token, {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify(body),
+  });
+  return (response.status === 204 ? null : await response.json()) as T;
+}
+
+async function request(path: string, token: string | null, init: RequestInit = {}) {
+  const headers = new Headers(init.headers);
+  if (token !== null) {
+    headers.set("Authorization", `Bearer ${token}`);
+  }
+  const signal = AbortSignal.timeout(1000 * TIMEOUT_S);
+  const response = await fetch(path, { ...init, headers, signal });
+  if (!response.ok) {
+    throw await apiError(response);
+  }
+  return response;
+}
+
+async function apiError(response: Response): Promise<ApiError> {
+  const body: unknown = await response.json().catch(() => null);
+  const error = (body as { error?: { code?: string; message?: string } } | null)?.error;
+  return new ApiError(
+    response.status,
+    error?.code ?? "unknown",
+    error?.message ?? response.statusText,
+    body,
+  );
+}

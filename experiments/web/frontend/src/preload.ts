@@ -1,0 +1,85 @@
+/** Loading and decoding every image before the first trial, so that none is waited for later. */
+
+import { getBlob, getJson, type RegionRuns, type Trial } from "./api";
+import { Regions } from "./regions";
+import { retry } from "./retry";
+import type { Stimulus } from "./stage";
+
+/** How many requests are under way at once. */
+export const PARALLEL = 6;
+
+/** How the preloader gets at bytes; replaced in tests. */
+export interface Loader {
+  image(path: string): Promise<HTMLImageElement>;
+  regions(path: string): Promise<Regions>;
+}
+
+/** Load through the server's interface with a session's token, or without one. */
+export function apiLoader(token: string | null): Loader {
+  return {
+    async image(path) {
+      const image = new Image();
+      image.src = URL.createObjectURL(await getBlob(path, token));
+      await image.decode();
+      return image;
+    },
+    async regions(path) {
+      return Regions.fromRuns(await getJson<RegionRuns>(path, token));
+    },
+  };
+}
+
+/**
+ * Load the stimuli of trials, each file once however many trials share it.
+ *
+ * @param onProgress - Called with the number of loaded files and of all.
+ * @returns The stimuli by trial index.
+ * @throws ApiError if the server refuses a file; passing failures are retried.
+ */
+export async function preload(
+  trials: Pick<Trial, "index" | "image" | "regions">[],
+  loader: Loader,
+  onProgress: (loaded: number, total: number) => void = () => {},
+): Promise<Map<number, Stimulus>> {
+  const images = new Map<string, HTMLImageElement>();
+  const regions = new Map<string, Regions>();
+  const tasks = [
+    ...unique(trials.map((trial) => trial.regions)).map((path) => async () => {
+      regions.set(path, await retry(() => loader.regions(path)));
+    }),
+    ...unique(trials.map((trial) => trial.image)).map((path) => async () => {
+      images.set(path, await retry(() => loader.image(path)));
+    }),
+  ];
+  await inParallel(tasks, onProgress);
+  return new Map(
+    trials.map((trial) => [
+      trial.index,
+      {
+        image: images.get(trial.image) as HTMLImageElement,
+        regions: regions.get(trial.regions) as Regions,
+      },
+    ]),
+  );
+}
+
+async function inParallel(
+  tasks: (() => Promise<void>)[],
+  onProgress: (done: number, total: number) => void,
+): Promise<void> {
+  const total = tasks.length;
+  const waiting = [...tasks];
+  let done = 0;
+  onProgress(done, total);
+  const work = async () => {
+    for (let task = waiting.shift(); task !== undefined; task = waiting.shift()) {
+      await task();
+      onProgress(++done, total);
+    }
+  };
+  await Promise.all(Array.from({ length: Math.min(PARALLEL, total) }, work));
+}
+
+function unique(paths: string[]): string[] {
+  return [...new Set(paths)];
+}

@@ -1,0 +1,126 @@
+/** The picture on the page: image, object numbers and, where the answer is told, an outline. */
+
+import { element } from "./dom";
+import { message } from "./messages";
+import { fitImage, numberPlaces } from "./placement";
+import { BACKGROUND, type Regions } from "./regions";
+
+/** The side of a number and its distance from its object, in CSS pixels. */
+const NUMBER_SIZE = 20;
+const NUMBER_GAP = 2;
+
+/** A decoded image with its regions. */
+export interface Stimulus {
+  image: HTMLImageElement;
+  regions: Regions;
+}
+
+/** Shows one stimulus in an area of the page and keeps it in place when the window changes. */
+export class Stage {
+  /** The area; the picture is centred in it. */
+  readonly area = element("div", { class: "stage" });
+  /** The number buttons by label. */
+  readonly numbers = new Map<number, HTMLButtonElement>();
+  private readonly picture: HTMLElement;
+  private readonly stopListening = new AbortController();
+
+  constructor(
+    private readonly stimulus: Stimulus,
+    choices: number,
+  ) {
+    stimulus.image.alt = message("trial.image", { choices });
+    stimulus.image.draggable = false;
+    this.picture = element("div", { class: "picture" }, stimulus.image);
+    this.addNumbers();
+    this.picture.addEventListener("pointermove", (event) => this.markHovered(event));
+    this.picture.addEventListener("pointerleave", () => this.mark(BACKGROUND));
+    this.area.append(this.picture);
+    window.addEventListener("resize", () => this.place(), { signal: this.stopListening.signal });
+  }
+
+  /** Put the picture in its place; call it once the area is on the page. */
+  place(): void {
+    const area = this.area.getBoundingClientRect();
+    const shown = fitImage(this.stimulus.regions, area, window.devicePixelRatio);
+    this.picture.style.left = `${shown.left - area.left}px`;
+    this.picture.style.top = `${shown.top - area.top}px`;
+    this.picture.style.width = `${shown.width}px`;
+    this.picture.style.height = `${shown.height}px`;
+    this.placeNumbers(shown.width / this.stimulus.regions.width_px);
+  }
+
+  /** Hide or show the picture without moving anything. */
+  setVisible(visible: boolean): void {
+    this.picture.classList.toggle("hidden", !visible);
+  }
+
+  /** Return the label that a pointer event points at: a region or its number. */
+  labelOf(event: PointerEvent): number {
+    for (const [label, button] of this.numbers) {
+      if (event.target instanceof Node && button.contains(event.target)) {
+        return label;
+      }
+    }
+    const shown = this.picture.getBoundingClientRect();
+    return this.stimulus.regions.labelUnder(event.clientX, event.clientY, shown);
+  }
+
+  /** Draw the outline of a region. */
+  outline(label: number): void {
+    const { regions } = this.stimulus;
+    const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+    svg.setAttribute("viewBox", `0 0 ${regions.width_px} ${regions.height_px}`);
+    svg.setAttribute("preserveAspectRatio", "none");
+    svg.setAttribute("class", "outline");
+    svg.setAttribute("aria-hidden", "true");
+    for (const className of ["outline-halo", "outline-line"]) {
+      const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
+      path.setAttribute("d", regions.outline(label));
+      path.setAttribute("class", className);
+      svg.append(path);
+    }
+    this.picture.append(svg);
+  }
+
+  /** Stop following the window. */
+  dispose(): void {
+    this.stopListening.abort();
+  }
+
+  private addNumbers(): void {
+    for (const label of [...this.stimulus.regions.boxes().keys()].sort((a, b) => a - b)) {
+      const name = message("trial.number", { label });
+      const button = element("button", { class: "number", type: "button", "aria-label": name });
+      button.append(String(label));
+      this.numbers.set(label, button);
+      this.picture.append(button);
+    }
+  }
+
+  private placeNumbers(scale: number): void {
+    const { regions } = this.stimulus;
+    for (const [label, { x, y }] of numberPlaces(
+      regions,
+      NUMBER_SIZE / scale,
+      NUMBER_GAP / scale,
+    )) {
+      const button = this.numbers.get(label);
+      if (button !== undefined) {
+        button.style.left = `${(100 * x) / regions.width_px}%`;
+        button.style.top = `${(100 * y) / regions.height_px}%`;
+      }
+    }
+  }
+
+  /** The cue is the same for every object and changes nothing within the image. */
+  private markHovered(event: PointerEvent): void {
+    this.mark(event.pointerType === "mouse" ? this.labelOf(event) : BACKGROUND);
+  }
+
+  private mark(hovered: number): void {
+    this.picture.classList.toggle("over-object", hovered !== BACKGROUND);
+    for (const [label, button] of this.numbers) {
+      button.classList.toggle("hovered", label === hovered);
+    }
+  }
+}

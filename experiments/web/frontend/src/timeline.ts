@@ -1,0 +1,64 @@
+/** The jsPsych timeline of a session: each trial, and after practice ones the feedback. */
+
+import type { Study, Trial } from "./api";
+import { message } from "./messages";
+import FeedbackPlugin, { type Outcome } from "./plugins/feedback";
+import OddOneOutPlugin, { type OddOneOutData } from "./plugins/odd-one-out";
+import type { Recorder } from "./recorder";
+import type { Stimulus } from "./stage";
+
+/**
+ * Return the timeline of the trials that are still to be answered.
+ *
+ * @param trials - All trials of the session, for the counts.
+ * @param stimuli - The decoded stimuli of the open trials, by trial index; no others are shown.
+ */
+export function makeTimeline(
+  study: Study,
+  trials: Trial[],
+  stimuli: Map<number, Stimulus>,
+  recorder: Recorder,
+) {
+  return trials.flatMap((trial) => {
+    const stimulus = stimuli.get(trial.index);
+    return stimulus === undefined ? [] : presentation(study, trials, trial, stimulus, recorder);
+  });
+}
+
+function presentation(
+  study: Study,
+  trials: Trial[],
+  trial: Trial,
+  stimulus: Stimulus,
+  recorder: Recorder,
+) {
+  let outcome: Outcome;
+  const common = {
+    stimulus: () => stimulus,
+    question: study.question,
+    position: positionOf(trial, trials),
+    progress: trial.index / trials.length,
+    choices: study.choices,
+  };
+  const ask = {
+    ...common,
+    type: OddOneOutPlugin,
+    blank_s: study.timing.blank_s,
+    time_limit_s: study.timing.time_limit_s,
+    // jsPsych waits for this: the next trial begins when the answer is kept.
+    on_finish: async (data: OddOneOutData) => {
+      const { reply } = await recorder.answer(trial.index, data);
+      outcome = { answer: data.answer, feedback: reply.then(({ feedback }) => feedback) };
+      outcome.feedback.catch(() => {}); // told by the feedback, or by the recorder's notice
+    },
+  };
+  return trial.feedback
+    ? [ask, { ...common, type: FeedbackPlugin, outcome: () => outcome }]
+    : [ask];
+}
+
+function positionOf(trial: Trial, trials: Trial[]): string {
+  const phase = trials.filter(({ phase }) => phase === trial.phase);
+  const key = trial.phase === "practice" ? "trial.practice" : "trial.main";
+  return message(key, { number: phase.indexOf(trial) + 1, total: phase.length });
+}
