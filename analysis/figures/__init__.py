@@ -1,1 +1,24 @@
 """Figures, each a function that draws on given axes."""
+
+from matplotlib.figure import Figure
+
+from analysis.figures.hit_rates import hit_rate_figure
+from analysis.figures.psychometric import psychometric_figure
+from analysis.figures.salience import salience_figure
+from analysis.figures.threshold_ranges import threshold_figure
+from analysis.figures.times import times_figure
+from analysis.study_analysis import StudyAnalysis
+
+
+def study_figures(analysis: StudyAnalysis) -> dict[str, Figure]:
+    """Return every figure that a study's answers allow, by name."""
+    figures = {
+        "psychometric": psychometric_figure(analysis),
+        "thresholds": threshold_figure(analysis),
+        "hit-rates": hit_rate_figure(analysis),
+    }
+    if analysis.salience is not None:
+        figures["salience"] = salience_figure(analysis, analysis.salience)
+    if analysis.times is not None:
+        figures["times"] = times_figure(analysis, analysis.times)
+    return figures

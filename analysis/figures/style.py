@@ -1,0 +1,145 @@
+"""What all figures share: colours, labels, the mark of simulated answers, and files."""
+
+import io
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from algorithms.files import write_atomically
+from experiments.study import Study
+
+# Okabe and Ito 2008: told apart with any common colour vision, and in grey by their markers.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#F0E442")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+CHANCE_COLOUR = "#777777"
+SIMULATED_COLOUR = "#B3261E"
+SIMULATED_TEXT = "SIMULATED answers, not people"
+
+_SETTINGS: dict[Any, Any] = {  # the key's type is a union of all parameter names
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.titlesize": 9,
+    "axes.titleweight": "bold",
+    "axes.grid": True,
+    "grid.color": "#e6e6e6",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+    "svg.hashsalt": "trompe",  # the same figure, the same bytes
+    "svg.fonttype": "path",
+}
+_PNG_DOTS_PER_INCH = 200
+
+
+def new_figure(
+    panels: int, simulated: bool, panel_width: float = 2.7, height: float = 3.0
+) -> tuple[Figure, list[Axes]]:
+    """Return a figure with panels side by side, marked on its face if answers are simulated.
+
+    Parameters
+    ----------
+    panels
+        How many, 1 or more; they share their y axis.
+    simulated
+        Whether programs answered.
+    panel_width, height
+        In inches.
+    """
+    with mpl.rc_context(_SETTINGS):
+        figure = Figure(figsize=(max(panel_width * panels, 3.6), height), layout="constrained")
+        axes = figure.subplots(1, panels, sharey=True, squeeze=False)[0].tolist()
+    if simulated:
+        figure.suptitle(
+            SIMULATED_TEXT,
+            color=SIMULATED_COLOUR,
+            fontsize=9,
+            fontweight="bold",
+            x=0.99,
+            ha="right",
+        )
+    return figure, axes
+
+
+def level_label(study: Study) -> str:
+    """Return the axis label of a study's level, such as `divergence (deg)`."""
+    unit = study.stimuli.level_unit
+    name = (study.stimuli.level or "level").removesuffix(f"_{unit}").replace("_", " ")
+    return f"{name} ({unit})" if unit else name
+
+
+def split_by(table: pd.DataFrame, name: str | None) -> Iterator[tuple[str, pd.DataFrame]]:
+    """Yield the value and the rows of each level of a factor; all rows if there is no factor."""
+    if name is None:
+        yield "", table
+        return
+    for value, rows in table.groupby(name, observed=True, sort=True):
+        yield str(value), rows
+
+
+def draw_chance(axes: Axes, rate: float, label: str = "chance") -> Axes:
+    """Draw the rate of guessing across a panel."""
+    axes.axhline(rate, color=CHANCE_COLOUR, linestyle=(0, (4, 3)), linewidth=1, label=label)
+    return axes
+
+
+def draw_points(
+    axes: Axes, rows: pd.DataFrame, columns: tuple[str, str, str, str], number: int, label: str
+) -> Axes:
+    """Draw points with their intervals in the colour and marker of a series.
+
+    Parameters
+    ----------
+    axes
+        Where.
+    rows
+        One row a point.
+    columns
+        The names of the abscissa, the value and the ends of its interval.
+    number
+        Of the series, from 0.
+    label
+        As the legend names it.
+    """
+    x, y, low, high = (rows[name].to_numpy(float) for name in columns)
+    axes.errorbar(
+        x,
+        y,
+        yerr=(y - low, high - y),
+        color=COLOURS[number % len(COLOURS)],
+        marker=MARKERS[number % len(MARKERS)],
+        markersize=4,
+        linewidth=0,
+        elinewidth=1,
+        capsize=0,
+        label=label,
+    )
+    return axes
+
+
+def figure_bytes(figure: Figure, file_format: str) -> bytes:
+    """Return a figure as `svg` or `png`; the same figure always gives the same bytes."""
+    stream = io.BytesIO()
+    metadata = {"Date": None, "Creator": "Trompe"} if file_format == "svg" else {"Software": None}
+    with mpl.rc_context(_SETTINGS):
+        figure.savefig(stream, format=file_format, dpi=_PNG_DOTS_PER_INCH, metadata=metadata)
+    return stream.getvalue()
+
+
+def save_figure(figure: Figure, folder: Path, name: str) -> None:
+    """Write a figure as SVG and as PNG.
+
+    Raises
+    ------
+    InputError
+        If the folder is not writable.
+    """
+    for file_format in ("svg", "png"):
+        write_atomically(folder / f"{name}.{file_format}", figure_bytes(figure, file_format))

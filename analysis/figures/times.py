@@ -1,0 +1,28 @@
+"""Time per answer by level and condition (as Lopez-Moreno 2011, figure 2.4)."""
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from analysis.figures.style import COLOURS, draw_points, level_label, new_figure, split_by
+from analysis.study_analysis import StudyAnalysis
+from analysis.times import AnswerTimes
+
+
+def draw_times(axes: Axes, times: AnswerTimes) -> Axes:
+    """Draw geometric mean times with their intervals, one line for each value of the condition."""
+    series = (*times.by[1:], None)[0]
+    for number, (label, rows) in enumerate(split_by(times.table, series)):
+        axes.plot(rows["level"], rows["mean_s"], color=COLOURS[number], linewidth=0.8, alpha=0.7)
+        draw_points(axes, rows, ("level", "mean_s", "low_s", "high_s"), number, label or "all")
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel("time per answer (s)")
+    return axes
+
+
+def times_figure(analysis: StudyAnalysis, times: AnswerTimes) -> Figure:
+    """Return the time per answer over the levels."""
+    figure, (axes,) = new_figure(1, analysis.simulated, panel_width=5.4)
+    draw_times(axes, times)
+    axes.set_xlabel(level_label(analysis.study))
+    axes.legend(loc="upper right")
+    return figure
