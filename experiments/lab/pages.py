@@ -7,14 +7,19 @@ from experiments.lab.geometry import Area
 from experiments.lab.pictures import Picture, load_picture
 from experiments.lab.window import Drawable, KeyPress, LabWindow
 from experiments.study import Study
-from experiments.trials import Answer, Trial
+from experiments.trials import Trial
 from stimuli.manifest import StimulusSet
 
-_MARGIN = 0.06  # of the window's height
-_LINE = 0.032  # of the window's height: the largest size of a page's text
-_SMALLEST_TEXT_PX = 10.0
+# Shares of the window's height.
+HEADING_BAND = 0.09
+FOOTING_BAND = 0.06
+_LINE = 0.032  # the largest size of a page's text
+_TOP = 0.16  # where a page's text begins
+_TOP_WITH_PICTURE = 0.05
+_SHARE_OF_TEXT = 0.4  # where a picture follows
+
 _WIDEST_TEXT = 0.8  # of the window's width
-_SHARE_OF_TEXT = 0.42  # of the window's height, where a picture follows
+_SMALLEST_TEXT_PX = 10.0
 
 
 @dataclass(frozen=True)
@@ -42,9 +47,11 @@ def consent_page(study: Study) -> Page:
     return Page("consent", (study.title, study.consent.text), prompt)
 
 
-def instructions_page(study: Study) -> Page:
-    """Return the page that explains the task."""
-    return Page("instructions", (study.question, *study.instructions), "Enter: begin")
+def instructions_page(study: Study, *, with_example: bool) -> Page:
+    """Return the page that explains the task, perhaps with an example below."""
+    example = ("In this example the outlined object is the one to choose.",) if with_example else ()
+    paragraphs = (study.question, *study.instructions, *example)
+    return Page("instructions", paragraphs, "Enter: begin")
 
 
 def main_page(trials: int) -> Page:
@@ -55,15 +62,6 @@ def main_page(trials: int) -> Page:
         "Escape: pause",
     )
     return Page("main", paragraphs, "Enter: begin")
-
-
-def feedback_page(trial: Trial, answer: Answer, right: int | str | tuple[int, ...] | None) -> Page:
-    """Return the page after a practice trial; its picture outlines the right object."""
-    if answer == right:
-        text = "Right: it is the outlined object."
-    else:
-        text = "Not this time: it is the outlined object."
-    return Page(f"feedback {trial.index}", (text,), "Enter: go on")
 
 
 def pause_page() -> Page:
@@ -85,24 +83,55 @@ def example_picture(window: LabWindow, stimuli: StimulusSet) -> Picture | None:
     """Return the set's first example with its odd object outlined, or None if it has none."""
     for stimulus in stimuli.with_role("example"):
         if isinstance(stimulus.answer, int) and stimulus.regions is not None:
-            picture = load_picture(window, stimuli, stimulus, picture_area(window))
+            picture = load_picture(window, stimuli, stimulus, _example_area(window))
             return picture.outlined(stimulus.answer)
     return None
 
 
-def picture_area(window: LabWindow) -> Area:
-    """Return the part of a page that a picture may fill, between text and prompt."""
-    margin_px = round(_MARGIN * window.height_px)
-    top_px = margin_px + round(_SHARE_OF_TEXT * window.height_px)
-    height_px = window.height_px - top_px - 2 * margin_px
-    return Area(margin_px, top_px, window.width_px - 2 * margin_px, height_px)
+def _example_area(window: LabWindow) -> Area:
+    """Return the part of a page between the text and the last line."""
+    top_px = round((_TOP_WITH_PICTURE + _SHARE_OF_TEXT) * window.height_px)
+    bottom_px = round((1 - FOOTING_BAND) * window.height_px)
+    return Area(0, top_px, window.width_px, bottom_px - top_px)
 
 
 def show_page(
     window: LabWindow, page: Page, keys: Sequence[str] = ("enter",), picture: Picture | None = None
 ) -> str:
     """Show a page until one of the keys is pressed, and return that key."""
-    parts = _lay_out(window, page, picture)
+    return _wait(window, page.name, _lay_out(window, page, picture), keys)
+
+
+def show_feedback(window: LabWindow, trial: Trial, picture: Picture, right: bool) -> None:
+    """Say whether an answer was right, over the picture in its place, until Enter is pressed.
+
+    Parameters
+    ----------
+    window, trial
+        Where, and after which trial.
+    picture
+        The trial's picture with the odd object outlined.
+    right
+        Whether that object was chosen.
+    """
+    text = "Right: it is the outlined object." if right else "Not quite: it is the outlined object."
+    parts = (picture, heading(window, text), footing(window, "Enter: go on"))
+    _wait(window, f"feedback {trial.index}", parts, ("enter",))
+
+
+def heading(window: LabWindow, text: str) -> Drawable:
+    """Prepare the line above a stimulus."""
+    y_px = HEADING_BAND / 2 * window.height_px
+    return window.text(text, window.width_px / 2, y_px, _LINE * window.height_px)
+
+
+def footing(window: LabWindow, text: str) -> Drawable:
+    """Prepare a page's last line, which says which keys do what."""
+    y_px = (1 - FOOTING_BAND / 2) * window.height_px
+    return window.text(text, window.width_px / 2, y_px, 0.8 * _LINE * window.height_px)
+
+
+def _wait(window: LabWindow, name: str, parts: Sequence[Drawable], keys: Sequence[str]) -> str:
     announced = False
     window.take_presses()
     while True:
@@ -110,7 +139,7 @@ def show_page(
             part.draw()
         window.flip()
         if not announced:
-            window.announce(page.name)
+            window.announce(name)
             announced = True
         for press in window.take_presses():
             if isinstance(press, KeyPress) and press.key in keys:
@@ -118,25 +147,23 @@ def show_page(
 
 
 def _lay_out(window: LabWindow, page: Page, picture: Picture | None) -> list[Drawable]:
-    margin_px = _MARGIN * window.height_px
-    share = _SHARE_OF_TEXT if picture else 1 - 4 * _MARGIN
+    """Set a page in the largest text that leaves room for the picture and the last line."""
+    top, share = (_TOP_WITH_PICTURE, _SHARE_OF_TEXT) if picture else (_TOP, 1 - 2 * _TOP)
     size_px = _LINE * window.height_px
-    parts, height_px = _paragraphs(window, page.paragraphs, size_px)
+    parts, height_px = _paragraphs(window, page.paragraphs, top, size_px)
     while height_px > share * window.height_px and size_px > _SMALLEST_TEXT_PX:
         size_px *= 0.92
-        parts, height_px = _paragraphs(window, page.paragraphs, size_px)
-    prompt_px = min(size_px, 0.8 * _LINE * window.height_px)
-    prompt = window.text(page.prompt, window.width_px / 2, window.height_px - margin_px, prompt_px)
-    return [*parts, *([picture] if picture else []), prompt]
+        parts, height_px = _paragraphs(window, page.paragraphs, top, size_px)
+    return [*parts, *([picture] if picture else []), footing(window, page.prompt)]
 
 
 def _paragraphs(
-    window: LabWindow, paragraphs: Sequence[str], size_px: float
+    window: LabWindow, paragraphs: Sequence[str], top: float, size_px: float
 ) -> tuple[list[Drawable], float]:
     """Set paragraphs below each other; return them and the height that they take."""
     width_px = min(_WIDEST_TEXT * window.width_px, 48 * size_px)
     left_px = (window.width_px - width_px) / 2
-    top_px = start_px = _MARGIN * window.height_px
+    top_px = start_px = top * window.height_px
     parts: list[Drawable] = []
     for number, paragraph in enumerate(paragraphs):
         this_px = 1.3 * size_px if number == 0 else size_px

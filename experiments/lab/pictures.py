@@ -64,7 +64,7 @@ class Picture:
     def outlined(self, label: int) -> "Picture":
         """Return the picture with a line around one of its objects."""
         height, width = self.regions.shape
-        mask = outline(self.regions, label, max(1, round(_OUTLINE_WIDTH * height)))
+        mask = outline(self.regions, label, max(2, round(_OUTLINE_WIDTH * height)))
         overlay = np.zeros((height, width, 4), np.uint8)
         overlay[mask] = (*OUTLINE_RGB, 255)
         layer = self.window.image(Image.fromarray(overlay), self.placement.area)
@@ -90,7 +90,7 @@ def load_picture(
     InputError
         If one of its files cannot be read, or image and regions differ in size.
     """
-    image = _shown_image(stimuli, stimulus)
+    image = shown_image(stimuli, stimulus)
     if stimulus.regions is None:
         raise InputError(f"stimuli: {stimulus.id} has no regions to choose from")
     regions = load_regions(stimuli.path(stimulus.regions))
@@ -109,8 +109,14 @@ def _numerals_in_window(regions: Regions, placement: Placement) -> dict[int, Poi
     return {label: placement.window_point(*place) for label, place in places.items()}
 
 
-def _shown_image(stimuli: StimulusSet, stimulus: Stimulus) -> Image.Image:
-    """Read an image as the sRGB values that the window shows unchanged."""
+def shown_image(stimuli: StimulusSet, stimulus: Stimulus) -> Image.Image:
+    """Read an image as the sRGB values, 0 to 255, that the window shows unchanged.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read.
+    """
     path = stimuli.path(stimulus.file)
     try:
         with Image.open(path) as file:

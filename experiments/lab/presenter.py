@@ -4,15 +4,13 @@ from dataclasses import dataclass
 
 from experiments.answers import Measurement
 from experiments.lab.geometry import Area
+from experiments.lab.pages import FOOTING_BAND, HEADING_BAND, heading
 from experiments.lab.pictures import Picture
 from experiments.lab.window import Click, Drawable, Frames, KeyPress, LabWindow
 from experiments.responses import Input
 from experiments.study import Timing
 from experiments.trials import Answer
 
-_QUESTION_BAND = 0.09  # of the window's height, above the image
-_PROGRESS_BAND = 0.04  # of the window's height, below the image
-_QUESTION_SIZE = 0.03  # of the window's height
 _TRACK_RGB = (112, 112, 112)
 _DONE_RGB = (176, 176, 176)
 
@@ -46,19 +44,14 @@ class Surround:
 
 def prepare_surround(window: LabWindow, question: str) -> Surround:
     """Return what is drawn around every stimulus."""
-    size_px = _QUESTION_SIZE * window.height_px
-    y_px = _QUESTION_BAND / 2 * window.height_px
-    return Surround(
-        window,
-        window.text(question, window.width_px / 2, y_px, size_px),
-        window.bar(_progress_area(window), _TRACK_RGB),
-    )
+    track = window.bar(_progress_area(window), _TRACK_RGB)
+    return Surround(window, heading(window, question), track)
 
 
 def stimulus_area(window: LabWindow) -> Area:
     """Return the part of the window that a stimulus may fill."""
-    top_px = round(_QUESTION_BAND * window.height_px)
-    bottom_px = round(_PROGRESS_BAND * window.height_px)
+    top_px = round(HEADING_BAND * window.height_px)
+    bottom_px = round(FOOTING_BAND * window.height_px)
     return Area(0, top_px, window.width_px, window.height_px - top_px - bottom_px)
 
 
@@ -141,6 +134,6 @@ def _is_escape(press: KeyPress | Click) -> bool:
 
 def _progress_area(window: LabWindow) -> Area:
     height_px = max(3, round(0.008 * window.height_px))
-    middle_px = round((1 - _PROGRESS_BAND / 2) * window.height_px)
+    middle_px = round((1 - FOOTING_BAND / 2) * window.height_px)
     width_px = round(0.4 * window.width_px)
     return Area((window.width_px - width_px) // 2, middle_px - height_px // 2, width_px, height_px)

@@ -11,7 +11,7 @@ from algorithms.files import make_folder
 from experiments.answers import make_response
 from experiments.demographics import check_demographics
 from experiments.lab import pages
-from experiments.lab.pages import show_page
+from experiments.lab.pages import Page, show_page
 from experiments.lab.pictures import Picture, load_picture
 from experiments.lab.presenter import Outcome, Surround, prepare_surround, present, stimulus_area
 from experiments.lab.psychopy_files import PsychoPyFiles
@@ -162,6 +162,10 @@ def _taken_up(store: Store, session: Session, window: LabWindow) -> Session:
     return replace(session, device=window.device)
 
 
+class _Left(Exception):  # noqa: N818 - no error
+    """The participant left before the end."""
+
+
 @dataclass(frozen=True)
 class _Run:
     """One sitting of a session."""
@@ -177,23 +181,32 @@ class _Run:
         """Show all that is left of the session, or leave early at the participant's wish."""
         answers = self.store.answers(self.session.id)
         pictures = self._load_pictures(answers)
-        surround = prepare_surround(self.window, self.study.question)
+        try:
+            self._explain()
+            self._show_trials(answers, pictures)
+        except _Left:
+            return
+        code = self.store.complete(self.session.id)
+        show_page(self.window, pages.thanks_page(code))
+
+    def _explain(self) -> None:
         example = pages.example_picture(self.window, self.stimuli)
-        show_page(self.window, pages.instructions_page(self.study), picture=example)
+        page = pages.instructions_page(self.study, with_example=example is not None)
+        self._show_or_pause(page, example)
+
+    def _show_trials(self, answers: dict[int, Answer], pictures: Mapping[str, Picture]) -> None:
+        surround = prepare_surround(self.window, self.study.question)
         before: Trial | None = None
         while (trial := self._next_trial(answers)) is not None:
             if before is not None and (before.phase, trial.phase) == ("practice", "main"):
-                show_page(self.window, pages.main_page(len(self._planned()) - trial.index))
-            outcome = self._present(trial, pictures[trial.stimuli[0]], surround)
-            if outcome is None:
-                return
+                self._show_or_pause(pages.main_page(len(self._planned()) - trial.index))
+            picture = pictures[trial.stimuli[0]]
+            outcome = self._present(trial, picture, surround)
             self._record(trial, outcome)
             answers[trial.index] = outcome.answer
             if trial.feedback:
-                self._give_feedback(trial, outcome.answer)
+                self._give_feedback(trial, outcome.answer, picture)
             before = trial
-        code = self.store.complete(self.session.id)
-        show_page(self.window, pages.thanks_page(code))
 
     def _planned(self) -> tuple[Trial, ...]:
         return planned_trials(self.study, self.stimuli, self._assignment())
@@ -212,6 +225,8 @@ class _Run:
         for number, identifier in enumerate(sorted(left)):
             stimulus = self.stimuli[identifier]
             pictures[identifier] = load_picture(self.window, self.stimuli, stimulus, area)
+            pictures[identifier].draw()
+            self.window.discard()
             self._show_loading(number + 1, len(left))
         return pictures
 
@@ -221,22 +236,27 @@ class _Run:
         self.window.text(text, *middle, 0.03 * self.window.height_px).draw()
         self.window.flip()
 
-    def _present(self, trial: Trial, picture: Picture, surround: Surround) -> Outcome | None:
-        """Present a trial, again after each pause; None when the participant leaves."""
+    def _present(self, trial: Trial, picture: Picture, surround: Surround) -> Outcome:
+        """Present a trial, again after each pause."""
         done = trial.index / len(self._planned())
         timing, name = self.study.timing, f"trial {trial.index}"
         while True:
             outcome = present(self.window, picture, surround, timing, name, done)
             if outcome is not None:
                 return outcome
-            self._note("pause", trial)
-            if show_page(self.window, pages.pause_page(), ("enter", "escape")) == "escape":
-                self._note("leave", trial)
-                return None
-            self._note("continue", trial)
+            self._pause(name)
 
-    def _note(self, kind: str, trial: Trial) -> None:
-        self.store.add_event(self.session.id, kind, {"trial_index": trial.index})
+    def _show_or_pause(self, page: Page, picture: Picture | None = None) -> None:
+        while show_page(self.window, page, ("enter", "escape"), picture) == "escape":
+            self._pause(page.name)
+
+    def _pause(self, place: str) -> None:
+        """Show the pause page; raise `_Left` if the participant leaves there."""
+        self.store.add_event(self.session.id, "pause", {"at": place})
+        if show_page(self.window, pages.pause_page(), ("enter", "escape")) == "escape":
+            self.store.add_event(self.session.id, "leave", {"at": place})
+            raise _Left
+        self.store.add_event(self.session.id, "continue", {"at": place})
 
     def _record(self, trial: Trial, outcome: Outcome) -> None:
         response = make_response(
@@ -245,10 +265,7 @@ class _Run:
         self.store.record(response)
         self.files.add(response)
 
-    def _give_feedback(self, trial: Trial, answer: Answer) -> None:
-        stimulus = self.stimuli[trial.stimuli[0]]
-        if isinstance(stimulus.answer, int):
-            area = pages.picture_area(self.window)
-            picture = load_picture(self.window, self.stimuli, stimulus, area)
-            page = pages.feedback_page(trial, answer, stimulus.answer)
-            show_page(self.window, page, picture=picture.outlined(stimulus.answer))
+    def _give_feedback(self, trial: Trial, answer: Answer, picture: Picture) -> None:
+        right = self.stimuli[trial.stimuli[0]].answer
+        if isinstance(right, int):
+            pages.show_feedback(self.window, trial, picture.outlined(right), answer == right)

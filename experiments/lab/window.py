@@ -233,8 +233,12 @@ class LabWindow:
         if self.refresh_hz is None:
             time.sleep(max(0.0, self._next_frame_s - self.time_s()))
         shown_s = float(self._window.flip())
-        self._next_frame_s = shown_s + self.frame_s
+        self._next_frame_s = max(self._next_frame_s + self.frame_s, shown_s)
         return shown_s
+
+    def discard(self) -> None:
+        """Forget what was drawn; the graphics card has its shaders and textures ready then."""
+        self._window.clearBuffer()
 
     def time_s(self) -> float:
         """Return the time on the window's clock, in seconds."""

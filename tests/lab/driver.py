@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -103,6 +103,18 @@ class LabProcess:
             raise AssertionError(f"the window process ended: {self.error()}")
         return page
 
+    def is_quiet(self, duration_s: float) -> bool:
+        """Return whether no page is announced for so long."""
+        try:
+            self._lines.get(timeout=duration_s)
+        except queue.Empty:
+            return True
+        return False
+
+    def exit_code(self) -> int:
+        """Wait for the end and return the exit status."""
+        return self._process.wait(timeout=PATIENCE_S)
+
     def error(self) -> str:
         """Wait for the end and return what stands on the standard error."""
         assert self._process.stderr is not None
@@ -148,17 +160,35 @@ def point_in(regions: NDArray[np.uint8], label: int, area: Area) -> tuple[int, i
 
 
 def take_study(
-    display: Display, lab: LabProcess, regions: NDArray[np.uint8], answers: Mapping[int, int]
+    display: Display,
+    lab: LabProcess,
+    regions: NDArray[np.uint8],
+    answers: Mapping[int, int],
+    look: Callable[[str], None] = lambda _page: None,
 ) -> list[str]:
     """Take a study until all the answers are given, by mouse and keyboard in turns.
 
-    Returns the pages seen; the last one is `completed`, or that of the first trial without an
-    answer, still to be answered.
+    Parameters
+    ----------
+    display, lab
+        Where it runs.
+    regions
+        The label image of all the drawn stimuli.
+    answers
+        By trial index.
+    look
+        Called with each page's name while it is on the screen.
+
+    Returns
+    -------
+    The pages seen; the last one is `completed`, or that of the first trial without an answer,
+    still to be answered.
     """
     pages: list[str] = []
     while True:
         page = lab.next_page()
         pages.append(page)
+        look(page)
         kind, _, number = page.partition(" ")
         if kind == "trial":
             index = int(number)
