@@ -1,0 +1,227 @@
+"""Reading and writing images: the one place where pictures are decoded and encoded."""
+
+import io
+import tempfile
+import warnings
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+from numpy.typing import NDArray
+from PIL import Image, ImageOps, UnidentifiedImageError
+
+from algorithms.color import FloatImage, decode_srgb, encode_srgb
+from algorithms.errors import InputError
+from algorithms.files import write_atomically
+
+MAX_PIXELS = 100_000_000
+"""Larger images are refused before they are decoded."""
+
+_JPEG_QUALITY = 95
+_DISPLAY_SUFFIXES = (".png", ".jpg", ".jpeg")
+_SUFFIXES = (*_DISPLAY_SUFFIXES, ".exr")
+
+
+def read_image(path: str | Path, max_pixels: int = MAX_PIXELS) -> FloatImage:
+    """Read a picture as linear light.
+
+    Parameters
+    ----------
+    path
+        A PNG or JPEG (taken as sRGB, opaque, grey or colour) or an OpenEXR file (taken as linear).
+    max_pixels
+        Larger pictures are refused before decoding.
+
+    Returns
+    -------
+    Linear light, float32 `(height, width, 3)`; 0..1 for PNG and JPEG. A single channel is repeated.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged, too large, of another format or partly transparent.
+    """
+    path = Path(path)
+    if _suffix(path) == ".exr":
+        channels = read_channels(path, max_pixels)
+        return np.repeat(channels, 3, axis=2) if channels.shape[2] == 1 else channels
+    encoded = _decode(path, max_pixels)
+    return decode_srgb(encoded).astype(np.float32)
+
+
+def write_image(path: str | Path, image: NDArray[np.float32]) -> None:
+    """Write linear light as a picture, the same bytes for the same values.
+
+    Parameters
+    ----------
+    path
+        Ends in .png, .jpg or .jpeg (sRGB, 8 bits, clipped to 0..1, without metadata) or .exr.
+    image
+        Linear light, `(height, width, 3)`; for .exr also `(height, width)` or one channel.
+
+    Raises
+    ------
+    InputError
+        If the shape or the suffix is not accepted, a value is not finite, or the folder cannot be
+        written to.
+    """
+    path = Path(path)
+    suffix = _suffix(path)
+    if not np.isfinite(image).all():
+        raise InputError("image: finite values are accepted")
+    if suffix == ".exr":
+        write_channels(path, image)
+        return
+    if image.ndim != 3 or image.shape[2] != 3:
+        raise InputError(f"image: (height, width, 3) is accepted, not {image.shape}")
+    picture = Image.fromarray(np.round(encode_srgb(image) * 255).astype(np.uint8))
+    _write_picture(path, picture)
+
+
+def read_labels(path: str | Path, max_pixels: int = MAX_PIXELS) -> NDArray[np.uint8]:
+    """Read a label image: uint8 `(height, width)`, 0 = background.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged, too large or not an 8-bit grey PNG.
+    """
+    path = Path(path)
+    with _opened(path, max_pixels) as picture:
+        if picture.format != "PNG" or picture.mode != "L":
+            raise InputError(f"{path}: an 8-bit grey PNG is accepted as a label image")
+        return np.array(picture)
+
+
+def write_labels(path: str | Path, labels: NDArray[np.uint8]) -> None:
+    """Write a label image, uint8 `(height, width)`, as an 8-bit grey PNG.
+
+    Raises
+    ------
+    InputError
+        If the labels are not uint8 in two dimensions, or the folder cannot be written to.
+    """
+    if labels.ndim != 2 or labels.dtype != np.uint8:
+        raise InputError(f"labels: uint8 (height, width) is accepted, not {labels.dtype}")
+    _write_picture(Path(path), Image.fromarray(labels))
+
+
+def read_channels(path: str | Path, max_pixels: int = MAX_PIXELS) -> NDArray[np.float32]:
+    """Read the channels of an OpenEXR file without interpretation (depth, normals, radiance).
+
+    Returns
+    -------
+    float32 `(height, width, channels)`: 3 channels where the file has R, G and B, else 1.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged, too large or has other channels.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file")
+    try:
+        with OpenEXR.File(str(path), header_only=True) as header:
+            low, high = header.header()["dataWindow"]
+        width_px, height_px = (int(extent) for extent in np.asarray(high) - low + 1)
+        _check_size(path, width_px, height_px, max_pixels)
+        with OpenEXR.File(str(path), separate_channels=True) as file:
+            pixels = {name: channel.pixels for name, channel in file.channels().items()}
+    except RuntimeError as error:
+        raise InputError(f"{path}: not a readable OpenEXR file") from error
+    names = ("R", "G", "B") if {"R", "G", "B"} <= pixels.keys() else tuple(pixels)[:1]
+    if len(names) == 1 and len(pixels) > 1:
+        raise InputError(f"{path}: channels R, G, B or a single one are accepted")
+    return np.stack([np.asarray(pixels[name], dtype=np.float32) for name in names], axis=2)
+
+
+def write_channels(path: str | Path, values: NDArray[np.float32]) -> None:
+    """Write one or three float32 channels as an OpenEXR file (lossless, ZIP).
+
+    Parameters
+    ----------
+    path
+        Ends in .exr.
+    values
+        `(height, width)` or `(height, width, 1)`, written as channel Y, or `(height, width, 3)` (R, G,
+        B). Infinite values are allowed, such as the distance of the background.
+
+    Raises
+    ------
+    InputError
+        If the shape is not accepted or the folder cannot be written to.
+    """
+    if values.ndim == 2:
+        values = values[..., None]
+    if values.ndim != 3 or values.shape[2] not in (1, 3):
+        raise InputError(f"image: one or three channels are accepted, not {values.shape}")
+    names = "RGB" if values.shape[2] == 3 else "Y"
+    channels = {
+        name: np.ascontiguousarray(values[..., index], dtype=np.float32)
+        for index, name in enumerate(names)
+    }
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    with tempfile.TemporaryDirectory() as folder:
+        temporary = Path(folder, "image.exr")
+        with OpenEXR.File(header, channels) as file:
+            file.write(str(temporary))
+        write_atomically(Path(path), temporary.read_bytes())
+
+
+def _suffix(path: Path) -> str:
+    suffix = path.suffix.lower()
+    if suffix not in _SUFFIXES:
+        raise InputError(f"{path}: a file ending in {', '.join(_SUFFIXES)} is accepted")
+    return suffix
+
+
+def _check_size(path: Path, width_px: int, height_px: int, max_pixels: int) -> None:
+    if width_px * height_px > max_pixels:
+        raise InputError(
+            f"{path}: {width_px} x {height_px} pixels; at most {max_pixels} pixels are accepted"
+        )
+
+
+def _opened(path: Path, max_pixels: int) -> Image.Image:
+    try:
+        with warnings.catch_warnings():
+            # Pillow's own limit warns or fails before ours can name the file.
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            picture = Image.open(path)
+        _check_size(path, *picture.size, max_pixels)
+        picture.load()
+    except FileNotFoundError as error:
+        raise InputError(f"{path}: no such file") from error
+    except Image.DecompressionBombError as error:
+        raise InputError(f"{path}: at most {max_pixels} pixels are accepted") from error
+    except (UnidentifiedImageError, OSError, SyntaxError) as error:
+        raise InputError(f"{path}: not a readable picture") from error
+    return picture
+
+
+def _decode(path: Path, max_pixels: int) -> NDArray[np.float64]:
+    with _opened(path, max_pixels) as picture:
+        if picture.format not in ("PNG", "JPEG") or picture.mode == "CMYK":
+            raise InputError(f"{path}: a PNG or JPEG in grey or RGB is accepted")
+        upright = ImageOps.exif_transpose(picture)
+        if picture.mode.startswith("I"):
+            grey = np.asarray(upright, dtype=np.float64) / 65535
+            return np.repeat(grey[..., None], 3, axis=2)
+        if upright.has_transparency_data:
+            rgba = np.asarray(upright.convert("RGBA"))
+            if (rgba[..., 3] < 255).any():
+                raise InputError(f"{path}: transparent pixels; an opaque picture is accepted")
+        return np.asarray(upright.convert("RGB"), dtype=np.float64) / 255
+
+
+def _write_picture(path: Path, picture: Image.Image) -> None:
+    suffix = _suffix(path)
+    stream = io.BytesIO()
+    if suffix == ".png":
+        picture.save(stream, format="PNG", compress_level=6)
+    elif suffix == ".exr":
+        raise InputError(f"{path}: a label image is written as .png")
+    else:
+        picture.save(stream, format="JPEG", quality=_JPEG_QUALITY, subsampling=0)
+    write_atomically(path, stream.getvalue())

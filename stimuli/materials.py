@@ -1,0 +1,113 @@
+"""The materials of experiment 1: matt or glossy, plain, noisy or chequered."""
+
+from dataclasses import dataclass
+from typing import Any, Final, Literal
+
+import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
+
+from algorithms.noise import PerlinNoise
+
+Finish = Literal["diffuse", "shiny"]
+Pattern = Literal["plain", "perlin-high", "perlin-low", "checkerboard"]
+
+ROUGHNESS: Final = 0.16
+_REFRACTIVE_INDEX: Final = 1.5
+_PERLIN_FREQUENCY: Final = {"perlin-high": 7.0, "perlin-low": 1.8}
+_PERLIN_CONTRAST: Final = 1.6
+_TILES_PER_UNIT: Final = 2.6
+
+
+@dataclass(frozen=True)
+class Material:
+    """How a surface reflects light; achromatic.
+
+    Attributes
+    ----------
+    finish
+        `diffuse` (Lambertian) or `shiny` (a Lambertian base under a glossy coat).
+    pattern
+        How the diffuse albedo varies over the surface.
+    albedo
+        Lowest and highest diffuse albedo, 0..1; equal for a plain surface.
+    """
+
+    finish: Finish
+    pattern: Pattern
+    albedo: tuple[float, float]
+
+    def albedo_at(
+        self, points: NDArray[np.floating[Any]], generator: np.random.Generator
+    ) -> NDArray[np.float64]:
+        """Return the diffuse albedo at points of the object: a solid texture, without seams.
+
+        Parameters
+        ----------
+        points
+            `(..., 3)`, in units of the object's radius, from its centre.
+        generator
+            Draws the texture's phase; two points share a texture only through one call.
+
+        Returns
+        -------
+        Albedo `(...)`.
+        """
+        low, high = self.albedo
+        return low + (high - low) * self._share(points, generator)
+
+    def _share(
+        self, points: NDArray[np.floating[Any]], generator: np.random.Generator
+    ) -> NDArray[np.float64]:
+        if self.pattern == "plain":
+            return np.ones(points.shape[:-1])
+        if self.pattern == "checkerboard":
+            tiles = np.floor(points * _TILES_PER_UNIT + generator.uniform(size=3))
+            return np.asarray(tiles.sum(axis=-1) % 2)
+        noise = PerlinNoise(generator)
+        offset = generator.uniform(0, 64, size=3)
+        values = noise.fractal(points * _PERLIN_FREQUENCY[self.pattern] + offset, 2)
+        return np.clip(0.5 + 0.5 * _PERLIN_CONTRAST * values, 0, 1)
+
+    def plugin(self, albedo: NDArray[np.float64]) -> dict[str, Any]:
+        """Return Mitsuba's description of the material with this albedo over the surface.
+
+        Parameters
+        ----------
+        albedo
+            `(rows, columns)` over latitude and longitude, as texture coordinates run.
+
+        Notes
+        -----
+        Mitsuba has no Phong lobe: `roughplastic` with a Beckmann distribution stands in, which is
+        close to a Blinn-Phong exponent of 2 / roughness^2 - 2 (Walter et al. 2007), here 76.
+        """
+        texture = {
+            "type": "bitmap",
+            "bitmap": mi.Bitmap(np.ascontiguousarray(albedo[..., None], dtype=np.float32)),
+            "raw": True,
+            "wrap_mode": "repeat",
+        }
+        if self.finish == "diffuse":
+            return {"type": "diffuse", "reflectance": texture}
+        return {
+            "type": "roughplastic",
+            "distribution": "beckmann",
+            "alpha": ROUGHNESS,
+            "int_ior": _REFRACTIVE_INDEX,
+            "diffuse_reflectance": texture,
+        }
+
+
+TABLE_2_1: Final[dict[str, Material]] = {
+    "a": Material("diffuse", "plain", (0.62, 0.62)),
+    "b": Material("diffuse", "perlin-high", (0.08, 0.62)),
+    "c": Material("diffuse", "plain", (0.20, 0.20)),
+    "d": Material("shiny", "checkerboard", (0.04, 0.90)),
+    "e": Material("shiny", "checkerboard", (0.04, 0.90)),
+    "f": Material("diffuse", "plain", (0.38, 0.38)),
+    "g": Material("shiny", "perlin-low", (0.05, 0.55)),
+    "h": Material("shiny", "plain", (0.28, 0.28)),
+}
+"""Finish and pattern by object (Lopez-Moreno 2011, table 2.1); the albedos are ours, spread so that
+an object's brightness says little about its light."""
