@@ -8,6 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from algorithms.errors import InputError
 from algorithms.images import read_labels
@@ -84,22 +85,28 @@ class Exhibits:
 
 @lru_cache(maxsize=16)
 def region_runs(path: Path) -> dict[str, int | Runs]:
-    """Return a label image as run lengths, row by row.
+    """Return a label image as run lengths: `width_px`, `height_px` and `runs` (`label_runs`).
 
     A participant's browser cannot be trusted to read labels from pixels: some falsify what a
     canvas returns, for privacy.
-
-    Returns
-    -------
-    `width_px`, `height_px` and `runs`: pairs of label (0 = background) and length in pixels.
     """
     labels = read_labels(path)
     height_px, width_px = labels.shape
+    return {"width_px": width_px, "height_px": height_px, "runs": label_runs(labels)}
+
+
+def label_runs(labels: NDArray[np.uint8]) -> Runs:
+    """Return the runs of equal labels, row by row: pairs of label and length in pixels.
+
+    Parameters
+    ----------
+    labels
+        Label image `(height, width)`, 0 = background; at least one pixel.
+    """
     flat = labels.ravel()
     starts = np.flatnonzero(np.r_[True, flat[1:] != flat[:-1]])
     lengths = np.diff(np.r_[starts, flat.size])
-    runs = list(zip(flat[starts].tolist(), lengths.tolist(), strict=True))
-    return {"width_px": width_px, "height_px": height_px, "runs": runs}
+    return list(zip(flat[starts].tolist(), lengths.tolist(), strict=True))
 
 
 def shown_png(content: bytes) -> bytes:

@@ -77,12 +77,16 @@ def simulate_over_http(
             on_completed(session)
         return number, session
 
-    with (
-        httpx.Client(base_url=url, timeout=_TIMEOUT_S) as client,
-        ThreadPoolExecutor(concurrency) as pool,
-    ):
+    with _client(url) as client, ThreadPoolExecutor(concurrency) as pool:
         finished = list(pool.map(take_part, [client] * participants))
     return [session for _, session in sorted(finished)]
+
+
+def _client(url: str) -> httpx.Client:
+    try:
+        return httpx.Client(base_url=url, timeout=_TIMEOUT_S)
+    except httpx.InvalidURL as error:
+        raise InputError(f"url: {url!r} is not an address ({error})") from None
 
 
 @dataclass(frozen=True)
@@ -157,7 +161,7 @@ class _Visit:
         headers = {} if token is None else {"Authorization": f"Bearer {token}"}
         try:
             reply = self.client.request(method, path, json=message, headers=headers)
-        except (httpx.HTTPError, httpx.InvalidURL) as error:
+        except httpx.HTTPError as error:
             raise InputError(f"url: {self.client.base_url} does not answer ({error})") from error
         if reply.is_error:
             raise InputError(f"url: the server refused {method} {path}: {_reason(reply)}")
