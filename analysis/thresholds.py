@@ -1,5 +1,6 @@
 """The threshold as the mid-point of a fitted psychometric function."""
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -10,8 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from psignifit.sigmoids import Gaussian
 from scipy.special import ndtr, ndtri
 
+from algorithms.errors import InputError
 from analysis.counts import LevelCounts, level_counts
 from analysis.estimates import CONFIDENCE, Estimate, software_version
+from analysis.priors import default_priors
 
 # The grid of psignifit's second step. Its default (40, 40, 20, 20) takes three times as long for
 # intervals that differ by less than 1 % of their width (see benchmarks/recovery.py --grids).
@@ -93,7 +96,12 @@ class ThresholdFit:
 
 
 def fit_threshold(
-    levels: ArrayLike, correct: ArrayLike, total: ArrayLike, guess_rate: float
+    levels: ArrayLike,
+    correct: ArrayLike,
+    total: ArrayLike,
+    guess_rate: float,
+    *,
+    grid_steps: Mapping[str, int] = GRID_STEPS,
 ) -> ThresholdFit:
     """Fit a psychometric function and return the threshold at its mid-point.
 
@@ -106,6 +114,9 @@ def fit_threshold(
         Right answers and all answers at each level, shape (n,), whole numbers.
     guess_rate
         The share of right answers by chance, 0 to 0.5; it is fixed.
+    grid_steps
+        The number of grid points for each of psignifit's parameters `threshold`, `width`, `lambda`
+        and `eta`, 3 or more.
 
     Returns
     -------
@@ -135,7 +146,12 @@ def fit_threshold(
     'within'
     """
     counts = level_counts(levels, correct, total, guess_rate)
-    result = _fit(counts, guess_rate)
+    if set(grid_steps) != set(GRID_STEPS) or min(grid_steps.values()) < 3:
+        raise InputError(
+            f"grid_steps: {dict(grid_steps)} given, 3 or more for each of {', '.join(GRID_STEPS)}"
+            " accepted"
+        )
+    result = _fit(counts, guess_rate, grid_steps)
     estimates = {name: _estimate(result, name) for name in GRID_STEPS}
     threshold, reached = _within_levels(estimates["threshold"], counts)
     return ThresholdFit(
@@ -164,7 +180,7 @@ class _CumulativeNormal(Gaussian):  # type: ignore[misc]  # psignifit has no typ
         return np.asarray(ndtr((stimulus_level - threshold) * WIDTH_IN_SIGMAS / width))
 
 
-def _fit(counts: LevelCounts, guess_rate: float) -> psignifit.Result:
+def _fit(counts: LevelCounts, guess_rate: float, grid_steps: Mapping[str, int]) -> psignifit.Result:
     """Run psignifit, again within tighter bounds until its grid resolves the posterior.
 
     By itself psignifit tightens the grid once, from a coarse first one. Where the posterior is
@@ -182,7 +198,8 @@ def _fit(counts: LevelCounts, guess_rate: float) -> psignifit.Result:
                 sigmoid=_CumulativeNormal(),
                 experiment_type="yes/no",  # equal bounds fix any guess rate without warning
                 bounds=bounds,
-                grid_steps=GRID_STEPS,
+                priors=default_priors(counts.levels),
+                grid_steps=dict(grid_steps),
                 steps_moving_bounds=dict.fromkeys(GRID_STEPS, 3),
                 max_bound_value=0.0,
                 width_alpha=_WIDTH_ALPHA,

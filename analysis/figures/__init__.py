@@ -1,15 +1,18 @@
 """Figures, each a function that draws on given axes."""
 
+import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from analysis.figures.hit_rates import hit_rate_figure
 from analysis.figures.psychometric import psychometric_figure
 from analysis.figures.salience import salience_figure
+from analysis.figures.style import SETTINGS
 from analysis.figures.threshold_ranges import threshold_figure
 from analysis.figures.times import times_figure
 from analysis.study_analysis import StudyAnalysis
 
 
+@mpl.rc_context(SETTINGS)
 def study_figures(analysis: StudyAnalysis) -> dict[str, Figure]:
     """Return every figure that a study's answers allow, by name."""
     figures = {

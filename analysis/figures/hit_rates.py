@@ -53,5 +53,5 @@ def hit_rate_figure(analysis: StudyAnalysis) -> Figure:
         axes.set_title(title)
         axes.set_xlabel(level_label(analysis.study))
     all_axes[0].set_ylabel("share of right answers")
-    all_axes[0].legend(loc="upper left")
+    all_axes[-1].legend(loc="lower right", bbox_to_anchor=(1.0, 0.15))
     return figure

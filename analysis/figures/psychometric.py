@@ -32,10 +32,10 @@ def draw_psychometric(
     """
     colour = COLOURS[number % len(COLOURS)]
     draw_chance(axes, fit.guess_rate)
-    draw_points(axes, hits, ("level", "rate", "low", "high"), number, "hit rate")
+    draw_points(axes, hits, ("level", "rate", "low", "high"), number)
     axes.set_ylim(-0.02, 1.02)
     if fit.reached != "within":
-        axes.plot([], [], " ", label=f"mid-point {fit.reached} the levels tested")
+        axes.plot([], [], " ", label=f"mid-point {fit.reached}\nthe levels tested")
         return axes
     levels = np.linspace(min(fit.levels), max(fit.levels), _CURVE_POINTS)
     axes.plot(levels, fit.rate(levels), color=colour, linewidth=1.4)
@@ -49,8 +49,8 @@ def draw_psychometric(
         markersize=11,
         markeredgewidth=2,
         color="black",
-        label=f"mid-point {fit.threshold} {unit}\n({height:.0%} right)",
-        linewidth=2,
+        linestyle="none",
+        label=f"mid-point ({height:.0%} right)\n{fit.threshold} {unit}",
     )
     return axes
 
@@ -68,6 +68,6 @@ def psychometric_figure(analysis: StudyAnalysis) -> Figure:
         draw_psychometric(axes, group.fit, hits, analysis.study.stimuli.level_unit, number)
         axes.set_title(group.label)
         axes.set_xlabel(level_label(analysis.study))
-        axes.legend(loc="lower right")
+        axes.legend(loc="lower right", bbox_to_anchor=(1.02, 0.16), handlelength=1.0)
     all_axes[0].set_ylabel("share of right answers")
     return figure

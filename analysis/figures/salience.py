@@ -39,9 +39,13 @@ def draw_choices(axes: Axes, choices: pd.DataFrame, series: str | None, chance: 
     return axes
 
 
+FEWEST_ANSWERS = 10  # a share of fewer is left to the table
+
+
 def draw_fall(axes: Axes, salience: Salience) -> Axes:
     """Draw how the most salient object is chosen at each level where it is not the target."""
-    for number, (measure, rows) in enumerate(split_by(salience.fall, "measure")):
+    shown = salience.fall[salience.fall["answers"] >= FEWEST_ANSWERS]
+    for number, (measure, rows) in enumerate(split_by(shown, "measure")):
         axes.plot(rows["level"], rows["share"], color=COLOURS[number], linewidth=0.8, alpha=0.7)
         draw_points(axes, rows, ("level", "share", "low", "high"), number, measure)
     return axes
@@ -53,13 +57,14 @@ def salience_figure(analysis: StudyAnalysis, salience: Salience) -> Figure:
     choices = salience.choices
     if split is not None:
         choices = choices[choices[split].notna()]
-    figure, (left, right) = new_figure(2, analysis.simulated, panel_width=4.2)
+    figure, (left, right) = new_figure(2, analysis.simulated, panel_width=3.9, share_y=False)
     draw_choices(left, choices, split, salience.chance)
-    left.set_title("choices where no object differs")
+    left.set_title("Choices where no object differs")
     left.set_xlabel("object")
     left.set_ylabel("share of choices")
     draw_fall(right, salience)
-    right.set_title(f"object {salience.most_salient} where it is not the target")
+    right.set_title(f"Object {salience.most_salient} where it is not the target")
+    right.set_ylabel("share")
     right.set_xlabel(level_label(analysis.study))
     for axes in (left, right):
         axes.legend(loc="upper right")

@@ -20,9 +20,9 @@ CHANCE_COLOUR = "#777777"
 SIMULATED_COLOUR = "#B3261E"
 SIMULATED_TEXT = "SIMULATED answers, not people"
 
-_SETTINGS: dict[Any, Any] = {  # the key's type is a union of all parameter names
+SETTINGS: dict[Any, Any] = {  # the key's type is a union of all parameter names
     "font.family": "DejaVu Sans",
-    "font.size": 9,
+    "font.size": 8.5,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.titlesize": 9,
@@ -32,7 +32,7 @@ _SETTINGS: dict[Any, Any] = {  # the key's type is a union of all parameter name
     "grid.linewidth": 0.6,
     "axes.axisbelow": True,
     "legend.frameon": False,
-    "legend.fontsize": 8,
+    "legend.fontsize": 7.5,
     "svg.hashsalt": "trompe",  # the same figure, the same bytes
     "svg.fonttype": "path",
 }
@@ -40,22 +40,28 @@ _PNG_DOTS_PER_INCH = 200
 
 
 def new_figure(
-    panels: int, simulated: bool, panel_width: float = 2.7, height: float = 3.0
+    panels: int,
+    simulated: bool,
+    panel_width: float = 2.7,
+    height: float = 3.0,
+    *,
+    share_y: bool = True,
 ) -> tuple[Figure, list[Axes]]:
     """Return a figure with panels side by side, marked on its face if answers are simulated.
 
     Parameters
     ----------
     panels
-        How many, 1 or more; they share their y axis.
+        How many, 1 or more.
     simulated
         Whether programs answered.
     panel_width, height
         In inches.
+    share_y
+        Whether the panels share their y axis.
     """
-    with mpl.rc_context(_SETTINGS):
-        figure = Figure(figsize=(max(panel_width * panels, 3.6), height), layout="constrained")
-        axes = figure.subplots(1, panels, sharey=True, squeeze=False)[0].tolist()
+    figure = Figure(figsize=(max(panel_width * panels, 3.6), height), layout="constrained")
+    axes = figure.subplots(1, panels, sharey=share_y, squeeze=False)[0].tolist()
     if simulated:
         figure.suptitle(
             SIMULATED_TEXT,
@@ -84,14 +90,19 @@ def split_by(table: pd.DataFrame, name: str | None) -> Iterator[tuple[str, pd.Da
         yield str(value), rows
 
 
-def draw_chance(axes: Axes, rate: float, label: str = "chance") -> Axes:
+def draw_chance(axes: Axes, rate: float) -> Axes:
     """Draw the rate of guessing across a panel."""
+    label = f"chance ({rate:.1%})"
     axes.axhline(rate, color=CHANCE_COLOUR, linestyle=(0, (4, 3)), linewidth=1, label=label)
     return axes
 
 
 def draw_points(
-    axes: Axes, rows: pd.DataFrame, columns: tuple[str, str, str, str], number: int, label: str
+    axes: Axes,
+    rows: pd.DataFrame,
+    columns: tuple[str, str, str, str],
+    number: int,
+    label: str | None = None,
 ) -> Axes:
     """Draw points with their intervals in the colour and marker of a series.
 
@@ -106,7 +117,7 @@ def draw_points(
     number
         Of the series, from 0.
     label
-        As the legend names it.
+        As the legend names it, or None.
     """
     x, y, low, high = (rows[name].to_numpy(float) for name in columns)
     axes.errorbar(
@@ -128,7 +139,7 @@ def figure_bytes(figure: Figure, file_format: str) -> bytes:
     """Return a figure as `svg` or `png`; the same figure always gives the same bytes."""
     stream = io.BytesIO()
     metadata = {"Date": None, "Creator": "Trompe"} if file_format == "svg" else {"Software": None}
-    with mpl.rc_context(_SETTINGS):
+    with mpl.rc_context(SETTINGS):
         figure.savefig(stream, format=file_format, dpi=_PNG_DOTS_PER_INCH, metadata=metadata)
     return stream.getvalue()
 

@@ -10,6 +10,8 @@ from analysis.figures.style import COLOURS, MARKERS, level_label, new_figure
 from analysis.groups import GroupThreshold
 from analysis.study_analysis import StudyAnalysis
 
+_HALF_GAP = 0.16  # between the two marks of a group, in rows
+
 
 def draw_mid_points(axes: Axes, groups: Sequence[GroupThreshold]) -> Axes:
     """Draw each group's mid-point with its two intervals; arrows where it is beyond the levels."""
@@ -19,31 +21,35 @@ def draw_mid_points(axes: Axes, groups: Sequence[GroupThreshold]) -> Axes:
             edge, arrow = (highest, ">") if group.fit.reached == "above" else (lowest, "<")
             axes.plot(edge, row, arrow, color=COLOURS[0], markerfacecolor="none", clip_on=False)
             continue
-        wide = group.over_participants
-        if np.isfinite(wide.low):
-            axes.plot([wide.low, wide.high], [row, row], color="#999999", linewidth=1)
-        ends = np.clip([group.fit.threshold.low, group.fit.threshold.high], lowest, highest)
-        axes.plot(ends, [row, row], color=COLOURS[0], linewidth=3, solid_capstyle="butt")
-        axes.plot(group.fit.threshold.value, row, "o", color=COLOURS[0], markersize=5)
-    axes.plot([], [], color=COLOURS[0], linewidth=3, marker="o", label="95 % credible interval")
-    axes.plot([], [], color="#999999", linewidth=1, label="95 % interval over participants")
+        for number, interval in enumerate((group.fit.threshold, group.over_participants)):
+            ends = np.clip([interval.low, interval.high], lowest, highest)
+            height = row + (2 * number - 1) * _HALF_GAP
+            axes.plot(ends, [height, height], color=COLOURS[number], linewidth=1.6)
+            axes.plot(interval.value, height, MARKERS[number], color=COLOURS[number], markersize=4)
+    for number, label in enumerate(("95 % credible interval", "95 % interval over participants")):
+        axes.plot([], [], color=COLOURS[number], marker=MARKERS[number], markersize=4, label=label)
     return axes
 
 
 def draw_chance_limits(axes: Axes, groups: Sequence[GroupThreshold]) -> Axes:
     """Draw each group's largest level not distinguishable from chance, by both tests."""
-    for number, test in enumerate(("exact binomial", "t over participants")):
-        limits = [
-            group.at_chance if number == 0 else group.at_chance_by_participant for group in groups
-        ]
-        axes.plot(
-            [limit.level if limit is not None else np.nan for limit in limits],
-            np.arange(len(groups)) + (number - 0.5) * 0.3,
-            MARKERS[number],
-            color=COLOURS[1 + number],
-            markersize=5,
-            label=test,
-        )
+    for row, group in enumerate(groups):
+        for number, limit in enumerate((group.at_chance, group.at_chance_by_participant)):
+            if limit is None:
+                continue
+            height = row + (2 * number - 1) * _HALF_GAP
+            none = np.isnan(limit.level)
+            axes.plot(
+                limit.levels[0] if none else limit.level,
+                height,
+                "<" if none else MARKERS[number],
+                color=COLOURS[2 + number],
+                markerfacecolor="none" if none else COLOURS[2 + number],
+                markersize=4.5,
+            )
+    for number, label in enumerate(("exact binomial test", "t-test over participants")):
+        axes.plot([], [], MARKERS[number], color=COLOURS[2 + number], markersize=4.5, label=label)
+    axes.plot([], [], "<", color="#444444", markerfacecolor="none", label="better at every level")
     return axes
 
 
@@ -51,16 +57,15 @@ def threshold_figure(analysis: StudyAnalysis) -> Figure:
     """Return both kinds of threshold of all groups, each kind in a panel of its own."""
     groups = analysis.thresholds
     figure, (left, right) = new_figure(
-        2, analysis.simulated, panel_width=4.2, height=1.9 + 0.24 * len(groups)
+        2, analysis.simulated, panel_width=3.9, height=1.6 + 0.26 * len(groups)
     )
-    draw_mid_points(left, groups).set_title("mid-point of the psychometric function")
-    draw_chance_limits(right, groups).set_title("largest level not distinguishable from chance")
-    levels = analysis.trials["level"]
-    margin = 0.04 * float(levels.max() - levels.min())
+    draw_mid_points(left, groups).set_title("Mid-point of the function")
+    draw_chance_limits(right, groups).set_title("Largest level at chance")
+    levels = np.array(analysis.overall.fit.levels)
     for axes in (left, right):
-        axes.set_xlim(float(levels.min()) - margin, float(levels.max()) + margin)
+        axes.set_xlim(min(0.0, levels.min()), levels.max() + 2)
         axes.set_xlabel(level_label(analysis.study))
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
+        axes.legend(loc="upper right")
     left.set_yticks(range(len(groups)), [group.label for group in groups])
-    left.invert_yaxis()
+    left.set_ylim(len(groups) - 0.5, -0.5)
     return figure

@@ -1,0 +1,187 @@
+"""One page that holds a study's results and opens without a network."""
+
+import base64
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+import jinja2
+from matplotlib.figure import Figure
+
+from algorithms.errors import InputError
+from algorithms.files import make_folder, write_atomically
+from analysis.chance import ChanceLimit
+from analysis.estimates import Estimate
+from analysis.exclusions import Who
+from analysis.figures import study_figures
+from analysis.figures.style import SIMULATED_TEXT, figure_bytes, save_figure
+from analysis.study_analysis import StudyAnalysis, analyse_study
+from analysis.tables import study_tables
+from analysis.verdict import level_name, verdict
+from experiments.store import Store
+from experiments.study import Study
+from stimuli.manifest import StimulusSet
+
+REPORT_NAME = "report.html"
+DEFAULT_SEED = 1
+
+_TEMPLATES = jinja2.Environment(
+    loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
+    autoescape=True,
+    undefined=jinja2.StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+)
+
+
+def _value(estimate: Estimate) -> str:
+    return f"{estimate.value:.1f}"
+
+
+def _interval(estimate: Estimate) -> str:
+    if math.isnan(estimate.low):
+        return "none"
+    low = f"{estimate.low:.1f}" if math.isfinite(estimate.low) else "<"
+    high = f"{estimate.high:.1f}" if math.isfinite(estimate.high) else ">"
+    return f"[{low}, {high}]"
+
+
+def _percent(share: float) -> str:
+    return f"{share:.1%}"
+
+
+def _limit(limit: ChanceLimit | None) -> str:
+    if limit is None:
+        return "none"
+    if math.isnan(limit.level):
+        return f"< {limit.levels[0]:g}"
+    return f"{'≥ ' if limit.at_largest_level else ''}{limit.level:g}"
+
+
+_TEMPLATES.filters |= {
+    "value": _value,
+    "interval": _interval,
+    "percent": _percent,
+    "limit": _limit,
+}
+
+
+def analyse(
+    store_path: str | Path,
+    out_folder: str | Path,
+    study: str | None = None,
+    seed: int = DEFAULT_SEED,
+    who: Who | None = None,
+    *,
+    include_pilot: bool = False,
+) -> Path:
+    """Analyse a study of a response store and write the report, its tables and its figures.
+
+    Parameters
+    ----------
+    store_path
+        A SQLite file, or the SQLAlchemy URL of one.
+    out_folder
+        Where `report.html`, `results.json`, `tables/*.csv` and `figures/*.svg` and `*.png` go; it
+        is made where it does not exist, and files of these names are replaced.
+    study
+        The study's name, or None if the store holds only one.
+    seed
+        Of every random draw, 0 or more; the report states it.
+    who
+        `people`, `simulated`, or None: people if one of them has finished, simulated observers
+        otherwise.
+    include_pilot
+        Whether sessions that only tried the study out count too.
+
+    Returns
+    -------
+    pathlib.Path
+        The report.
+
+    Raises
+    ------
+    InputError
+        If there is no store, no such study, nothing to analyse yet, or the folder is not writable.
+    """
+    with Store.open(store_path, must_exist=True) as store:
+        chosen, stimuli = _registered(store, study)
+        analysis = analyse_study(
+            chosen,
+            stimuli,
+            store.sessions(study=chosen.name),
+            store.responses(study=chosen.name),
+            seed,
+            store.events(study=chosen.name),
+            who,
+            include_pilot=include_pilot,
+        )
+    return write_report(analysis, Path(out_folder))
+
+
+def write_report(analysis: StudyAnalysis, folder: Path) -> Path:
+    """Write the report with its tables and figures, and return its path.
+
+    Raises
+    ------
+    InputError
+        If the folder is not writable.
+    """
+    tables_folder = make_folder(folder / "tables")
+    figures_folder = make_folder(folder / "figures")
+    for name, table in study_tables(analysis).items():
+        content = table.to_csv(index=False, lineterminator="\n")
+        write_atomically(tables_folder / f"{name}.csv", content.encode())
+    figures = study_figures(analysis)
+    for name, figure in figures.items():
+        save_figure(figure, figures_folder, name)
+    write_atomically(folder / "results.json", analysis.to_json().encode())
+    report = folder / REPORT_NAME
+    write_atomically(report, render(analysis, figures).encode())
+    return report
+
+
+def render(analysis: StudyAnalysis, figures: Mapping[str, Figure]) -> str:
+    """Return the report as one HTML page with everything in it.
+
+    Parameters
+    ----------
+    analysis
+        What it tells.
+    figures
+        As from `analysis.figures.study_figures`.
+    """
+    return _TEMPLATES.get_template("report.html").render(
+        analysis=analysis,
+        study=analysis.study,
+        stimuli=analysis.stimuli,
+        flow=analysis.flow.to_frame().to_dict("records"),
+        sentences=verdict(analysis),
+        level=level_name(analysis),
+        unit=analysis.study.stimuli.level_unit,
+        unanswered=int(analysis.trials["answer"].isna().sum()),
+        tables=sorted(study_tables(analysis)),
+        figures={name: _data_uri(figure) for name, figure in figures.items()},
+        simulated_text=SIMULATED_TEXT,
+    )
+
+
+def _data_uri(figure: Figure) -> str:
+    content = base64.b64encode(figure_bytes(figure, "svg")).decode()
+    return f"data:image/svg+xml;base64,{content}"
+
+
+def _registered(store: Store, name: str | None) -> tuple[Study, StimulusSet]:
+    """Return the newest version of a study that has sessions, or the newest if none has."""
+    known = store.registered(name)
+    if not known:
+        names = sorted({study.name for study, _ in store.registered()})
+        if name is None or not names:
+            raise InputError("study: nothing to analyse yet, the store holds no study")
+        raise InputError(f"study: {name!r} given, the store holds: {', '.join(names)}")
+    names = sorted({study.name for study, _ in known})
+    if len(names) > 1:
+        raise InputError(f"study: the store holds {', '.join(names)}; name one of them")
+    used = {(one.study_digest, one.stimuli_digest) for one in store.sessions(study=names[0])}
+    with_sessions = [pair for pair in known if (pair[0].digest, pair[1].digest) in used]
+    return (with_sessions or known)[-1]
