@@ -48,8 +48,8 @@ def run_lab(
     study, stimuli, store
         What is run, and where its answers are kept.
     demographics
-        What the participant said of themself: the fields that the study asks for. An unfinished
-        session keeps what it has.
+        What the participant said of themself: the fields that the study asks for; not looked at
+        where an unfinished session goes on.
     folder
         Where PsychoPy's own CSV and psydat files go.
     participant, participant_number
@@ -76,9 +76,10 @@ def run_lab(
         If PsychoPy or a display is missing.
     """
     check_stimuli(study, stimuli)
-    asked = check_demographics(study, demographics)
     earlier = unfinished_session(study, stimuli, store, participant)
+    asked: Mapping[str, Any] = {}
     if earlier is None:
+        asked = check_demographics(study, demographics)
         _check_number(study, store, participant_number)
     make_folder(folder)
     store.register(study, stimuli)

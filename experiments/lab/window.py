@@ -54,6 +54,12 @@ class WindowSettings:
     screen: int = 0
     monitor: str | None = None
 
+    def __post_init__(self) -> None:
+        if self.size_px is not None and min(self.size_px) < 1:
+            raise InputError(f"size_px: {self.size_px} given, 1 or more each way accepted")
+        if self.screen < 0:
+            raise InputError(f"screen: {self.screen} given, 0 or more accepted")
+
 
 @dataclass(frozen=True)
 class KeyPress:
@@ -145,6 +151,18 @@ class LabWindow:
         synchronised = measured_hz is not None and measured_hz < _FASTEST_DISPLAY_HZ
         self.refresh_hz: float | None = float(measured_hz) if synchronised else None
         self._window.refreshThreshold = _LATE_FRAME * self.frame_s
+
+    def check_screen(self) -> None:
+        """Check that the window is on the screen asked for; PsychoPy takes the first if not.
+
+        Raises
+        ------
+        InputError
+            If there is no such screen.
+        """
+        last = len(self._window.winHandle.display.get_screens()) - 1
+        if self._settings.screen > last:
+            raise InputError(f"screen: {self._settings.screen} given, 0 to {last} accepted")
 
     def close(self) -> None:
         """Close the window."""
@@ -294,43 +312,47 @@ def open_window(settings: WindowSettings, announce: Callable[[str], None]) -> It
     Raises
     ------
     InputError
-        If PsychoPy does not know the monitor.
+        If there is no such screen, or PsychoPy does not know the monitor.
     UnavailableError
         If PsychoPy or a display is missing; the message says how to get it.
     """
-    window = LabWindow(_import_visual(), settings, announce)
+    with _told_in_one_line():
+        window = LabWindow(_import_visual(), settings, announce)
     try:
+        window.check_screen()
         yield window
     finally:
         window.close()
 
 
-def _import_visual() -> ModuleType:
-    """Import PsychoPy, quietly and without sound."""
+@contextmanager
+def _told_in_one_line() -> Iterator[None]:
+    """Turn the absence of PsychoPy, of a display or of OpenGL on it into a line that helps."""
+    needs = "start it in a desktop session, or try it out with xvfb-run"
     if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
-        raise UnavailableError(_no_display("DISPLAY is not set"))
+        raise UnavailableError(f"the lab runner needs a display (DISPLAY is not set): {needs}")
     try:
-        from psychopy import logging, prefs
+        yield
     except ImportError as error:
         raise UnavailableError(
             f"the lab runner needs PsychoPy ({error}): pip install 'trompe[lab]'"
         ) from error
+    except Exception as error:
+        # pyglet has an exception of its own for each thing that a display may lack.
+        if type(error).__module__.partition(".")[0] != "pyglet":
+            raise
+        raise UnavailableError(
+            f"the lab runner needs a display with OpenGL ({error}): {needs}"
+        ) from error
+
+
+def _import_visual() -> ModuleType:
+    """Import PsychoPy, quietly and without sound."""
+    from psychopy import logging, prefs
+
     prefs.hardware["audioLib"] = []
     logging.console.setLevel(logging.ERROR)
-    try:
-        return import_module("psychopy.visual")
-    except Exception as error:
-        # pyglet's exception of that name exists on X11 only.
-        if type(error).__name__ == "NoSuchDisplayException":
-            raise UnavailableError(_no_display(str(error))) from error
-        raise
-
-
-def _no_display(reason: str) -> str:
-    return (
-        f"the lab runner needs a display ({reason}): start it in a desktop session,"
-        " or try it with xvfb-run"
-    )
+    return import_module("psychopy.visual")
 
 
 def _uncorrected_monitor(name: str | None) -> object:

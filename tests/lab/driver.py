@@ -78,9 +78,6 @@ class Sitting:
     demographics: Mapping[str, Any] = field(default_factory=lambda: DEMOGRAPHICS)
     settings: Mapping[str, Any] = field(default_factory=dict)
 
-    def arguments(self) -> str:
-        return json.dumps(vars(self), default=str)
-
 
 class LabProcess:
     """A running sitting: what it announces, line by line."""
@@ -125,13 +122,28 @@ class LabProcess:
 
 
 @contextmanager
-def start(display: Display | None, sitting: Sitting) -> Iterator[LabProcess]:
-    """Start a sitting on a display; it is ended afterwards if it still runs."""
+def start(
+    display: Display | None, *sittings: Sitting, home: Path | None = None
+) -> Iterator[LabProcess]:
+    """Start sittings, one after the other, on a display; they are ended if they still run.
+
+    Parameters
+    ----------
+    display
+        None for a process without any.
+    sittings
+        At least one.
+    home
+        The home directory, where PsychoPy keeps its monitors; None for the user's own.
+    """
     environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
     if display is not None:
         environment["DISPLAY"] = display.name
+    if home is not None:
+        environment["HOME"] = str(home)
+    arguments = json.dumps([vars(sitting) for sitting in sittings], default=str)
     with subprocess.Popen(
-        [sys.executable, "-m", "tests.lab.window_process", sitting.arguments()],
+        [sys.executable, "-m", "tests.lab.window_process", arguments],
         cwd=ROOT,
         env=environment | {"LIBGL_ALWAYS_SOFTWARE": "1"},
         stdout=subprocess.PIPE,

@@ -1,4 +1,4 @@
-"""Runs one sitting in the lab as a process of its own, as `trompe study run-lab` does.
+"""Runs sittings in the lab, one after the other, as a process of its own.
 
 pyglet wants the main thread, and PsychoPy's warnings are not ours. Each page's name goes to the
 standard output, so that a test knows when to act.
@@ -7,6 +7,7 @@ standard output, so that a test knows when to act.
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 from algorithms.errors import UserError
 from experiments.lab.runner import run_lab
@@ -17,24 +18,30 @@ from stimuli.manifest import load
 
 
 def main() -> None:
-    given = json.loads(sys.argv[1])
-    try:
-        with Store.open(given["store"]) as store:
-            session = run_lab(
-                load_study(given["study"]),
-                load(given["stimuli"]),
-                store,
-                demographics=given["demographics"],
-                folder=Path(given["folder"]),
-                participant=given["participant"],
-                participant_number=given["participant_number"],
-                settings=WindowSettings(**given["settings"]),
-                announce=lambda page: print(page, flush=True),  # noqa: T201
-            )
-    except UserError as error:
-        print(error, file=sys.stderr)  # noqa: T201
-        sys.exit(2)
-    print("completed" if session and session.completed_at else "left", flush=True)  # noqa: T201
+    failed = False
+    for given in json.loads(sys.argv[1]):
+        try:
+            print(_run(given), flush=True)  # noqa: T201
+        except UserError as error:
+            failed = True
+            print(error, file=sys.stderr)  # noqa: T201
+    sys.exit(2 if failed else 0)
+
+
+def _run(given: dict[str, Any]) -> str:
+    with Store.open(given["store"]) as store:
+        session = run_lab(
+            load_study(given["study"]),
+            load(given["stimuli"]),
+            store,
+            demographics=given["demographics"],
+            folder=Path(given["folder"]),
+            participant=given["participant"],
+            participant_number=given["participant_number"],
+            settings=WindowSettings(**given["settings"]),
+            announce=lambda page: print(page, flush=True),  # noqa: T201
+        )
+    return "completed" if session and session.completed_at else "left"
 
 
 if __name__ == "__main__":

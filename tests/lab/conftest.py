@@ -1,0 +1,89 @@
+"""A display, a short study on it, and one sitting taken to the end for several tests to look at."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from experiments.regions import load_regions
+from experiments.study import Study
+from experiments.trials import Assignment, Trial, planned_trials
+from stimuli.manifest import StimulusSet
+from tests.drawn_set import draw_set
+from tests.lab.driver import Display, Sitting, open_display, start, take_study
+
+
+@pytest.fixture(scope="session")
+def display() -> Iterator[Display]:
+    """A virtual display of 1280 x 800 pixels."""
+    with open_display() as opened:
+        yield opened
+
+
+@pytest.fixture(scope="session")
+def few(tmp_path_factory: pytest.TempPathFactory) -> StimulusSet:
+    """Three practice stimuli and four main ones."""
+    return draw_set(tmp_path_factory.mktemp("few"), levels_deg=(0, 90), placements=("front",))
+
+
+@pytest.fixture(scope="session")
+def regions(few: StimulusSet) -> NDArray[np.uint8]:
+    """The label image of all of them."""
+    return load_regions(few.path("regions.png"))
+
+
+@pytest.fixture(scope="session")
+def trials(study: Study, few: StimulusSet) -> tuple[Trial, ...]:
+    """The trials of the first participant."""
+    return planned_trials(study, few, Assignment(1))
+
+
+@pytest.fixture(scope="session")
+def answers(trials: tuple[Trial, ...], few: StimulusSet) -> dict[int, int]:
+    """The first practice answer right, the others by turns."""
+    right = few[trials[0].stimuli[0]].answer
+    assert isinstance(right, int)
+    return {trial.index: (right + trial.index - 1) % 8 + 1 for trial in trials}
+
+
+def sitting_in(folder: Path, stimuli: StimulusSet) -> Sitting:
+    """Return a sitting that leaves everything in a folder."""
+    return Sitting("lights-synthetic", stimuli.folder, folder / "rows.sqlite", folder / "psychopy")
+
+
+@pytest.fixture
+def sitting(few: StimulusSet, tmp_path: Path) -> Sitting:
+    """A sitting of its own for each test."""
+    return sitting_in(tmp_path, few)
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A sitting taken to the end: its pages in order, and how each of them looked."""
+
+    sitting: Sitting
+    pages: list[str]
+    looks: Mapping[str, NDArray[np.uint8]]
+
+
+@pytest.fixture(scope="session")
+def finished(
+    display: Display,
+    few: StimulusSet,
+    regions: NDArray[np.uint8],
+    answers: Mapping[int, int],
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Finished:
+    """The first participant's sitting in full screen."""
+    sitting = sitting_in(tmp_path_factory.mktemp("finished"), few)
+    looks: dict[str, NDArray[np.uint8]] = {}
+
+    def look(page: str) -> None:
+        looks[page] = display.screenshot()
+
+    with start(display, sitting) as lab:
+        pages = take_study(display, lab, regions, answers, look)
+    return Finished(sitting, pages, looks)

@@ -1,0 +1,195 @@
+"""What may happen in a sitting: leaving, coming back, dying, refusing, clicking at a border."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.typing import NDArray
+
+from experiments.lab.geometry import Placement
+from experiments.responses import load_responses
+from experiments.store import Store
+from tests.lab.driver import Display, Sitting, image_area, start, take_study
+
+pytestmark = [pytest.mark.lab, pytest.mark.slow]
+
+
+def answers_in(store: Path) -> dict[int, int]:
+    rows = load_responses(store)
+    return dict(zip(rows["trial_index"], rows["answer"], strict=True))
+
+
+def test_a_session_goes_on_after_leaving_and_after_being_killed(
+    display: Display, sitting: Sitting, regions: NDArray[np.uint8], answers: Mapping[int, int]
+) -> None:
+    """Three sittings of one session: every answer is stored once, none is asked for twice."""
+    with start(display, sitting) as lab:
+        some = {index: answers[index] for index in (0, 1)}
+        assert take_study(display, lab, regions, some)[-1] == "trial 2"
+        display.press("Escape")
+        assert lab.next_page() == "pause"
+        display.press("Return")
+        assert lab.next_page() == "trial 2"
+        display.press("Escape")
+        assert lab.next_page() == "pause"
+        display.press("Escape")
+        assert lab.next_page() == "left"
+    assert answers_in(sitting.store) == some
+
+    with start(display, sitting) as lab:
+        more = {index: answers[index] for index in (2, 3)}
+        pages = take_study(display, lab, regions, more)
+        assert pages == ["instructions", "trial 2", "feedback 2", "main", "trial 3", "trial 4"]
+        lab.kill()
+        assert lab.exit_code() != 0
+    assert answers_in(sitting.store) == some | more
+
+    with start(display, sitting) as lab:
+        pages = take_study(display, lab, regions, answers)
+        assert pages == ["instructions", "trial 4", "trial 5", "trial 6", "thanks", "completed"]
+    assert answers_in(sitting.store) == answers
+    with Store.open(sitting.store, must_exist=True) as store:
+        kinds = [event.kind for event in store.events()]
+    assert kinds == ["pause", "continue", "pause", "leave", "resume", "resume"]
+    tables = [pd.read_csv(path) for path in sorted(sitting.folder.glob("*.csv"))]
+    assert [len(table) for table in tables] == [2, 2, 3]
+
+
+def test_without_consent_nothing_of_the_participant_is_stored(
+    display: Display, sitting: Sitting
+) -> None:
+    with start(display, sitting) as lab:
+        assert lab.next_page() == "consent"
+        display.press("Escape")
+        assert lab.next_page() == "left"
+    with Store.open(sitting.store, must_exist=True) as store:
+        assert (store.sessions(), store.responses(), store.events()) == ([], [], [])
+    assert list(sitting.folder.iterdir()) == []
+
+
+@pytest.mark.parametrize("size_px", [None, (301, 223)], ids=["as stored", "shrunk"])
+def test_a_click_counts_from_the_first_to_the_last_pixel_of_a_region(
+    display: Display,
+    sitting: Sitting,
+    regions: NDArray[np.uint8],
+    write_study: Callable[[str, str], Path],
+    size_px: tuple[int, int] | None,
+) -> None:
+    """Theory: a pixel belongs to the object on which its centre lies; its neighbour does not."""
+    study = write_study(
+        "minimum_width_px = 640\nminimum_height_px = 400",
+        "minimum_width_px = 300\nminimum_height_px = 200",
+    )
+    settings = {"fullscreen": size_px is None, "size_px": size_px}
+    with start(display, replace(sitting, study=study, settings=settings)) as lab:
+        pages = take_study(display, lab, regions, {0: 1, 1: 2, 2: 3})
+        for label, side in zip((2, 3, 6, 7), ("left", "right", "top", "bottom"), strict=True):
+            assert pages[-1] == f"trial {len(answers_in(sitting.store))}"
+            inside, outside = border(display, regions, label, side)
+            display.click(*outside)
+            assert lab.is_quiet(0.3)
+            display.click(*inside)
+            pages.append(lab.next_page())
+    assert list(answers_in(sitting.store).values()) == [1, 2, 3, 2, 3, 6, 7]
+
+
+def border(
+    display: Display, regions: NDArray[np.uint8], label: int, side: str
+) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Return the last pixel of the screen on a region and the next one, on one of its sides."""
+    area = image_area(display.screenshot())
+    placement = Placement(area, regions.shape[1], regions.shape[0])
+    labels = np.array(
+        [
+            [_label(regions, placement, x, y) for x in range(area.left_px + area.width_px)]
+            for y in range(area.top_px + area.height_px)
+        ]
+    )
+    ys, xs = np.nonzero(labels == label)
+    x, y = int(np.median(xs)), int(np.median(ys))
+    match side:
+        case "left":
+            x = int(xs[ys == y].min())
+            return (x, y), (x - 1, y)
+        case "right":
+            x = int(xs[ys == y].max())
+            return (x, y), (x + 1, y)
+        case "top":
+            y = int(ys[xs == x].min())
+            return (x, y), (x, y - 1)
+        case _:
+            y = int(ys[xs == x].max())
+            return (x, y), (x, y + 1)
+
+
+def _label(regions: NDArray[np.uint8], placement: Placement, x: int, y: int) -> int:
+    pixel = placement.image_pixel(x, y)
+    return int(regions[pixel]) if pixel else 0
+
+
+def test_a_trial_without_an_answer_in_time_is_stored_as_such(
+    display: Display, sitting: Sitting, write_study: Callable[[str, str], Path]
+) -> None:
+    study = write_study("blank_s = 0.5", "blank_s = 0.05\ntime_limit_s = 0.2")
+    with start(display, replace(sitting, study=study)) as lab:
+        while lab.next_page() != "thanks":
+            display.press("Return")
+        display.press("Return")
+        assert lab.next_page() == "completed"
+    rows = load_responses(sitting.store)
+    assert len(rows) == 7
+    assert rows["answer"].isna().all()
+    assert rows["reaction_time_s"].isna().all()
+    assert set(rows["input"]) == {"none"}
+
+
+def test_keys_of_row_and_pad_answer_once_the_stimulus_is_there(
+    display: Display, sitting: Sitting
+) -> None:
+    """Keys that name no object, and keys during the blank before a stimulus, are no answers."""
+    with start(display, sitting) as lab:
+        while lab.next_page() != "trial 0":
+            display.press("Return")
+        for index, key in enumerate(("KP_4", "KP_Left", "8")):
+            display.press("9")
+            assert lab.is_quiet(0.2)
+            display.press(key)
+            assert lab.next_page() == f"feedback {index}"
+            display.press("Return")
+            if index < 2:
+                display.press("5")
+                assert lab.next_page() == f"trial {index + 1}"
+    assert answers_in(sitting.store) == {0: 4, 1: 4, 2: 8}
+
+
+def test_a_monitors_gamma_is_not_applied_but_its_size_is_kept(
+    display: Display, sitting: Sitting, tmp_path: Path
+) -> None:
+    """sRGB images in a linearised window would be corrected twice.
+
+    Xvfb has no gamma table, so PsychoPy would end with an error if it were asked to set one.
+    """
+    make = (
+        "from psychopy import monitors; monitor = monitors.Monitor('lab', width=53, distance=60,"
+        " gamma=2.2); monitor.setSizePix((1280, 800)); monitor.save()"
+    )
+    subprocess.run(
+        [sys.executable, "-c", make],
+        env=os.environ | {"HOME": str(tmp_path)},
+        check=True,
+        capture_output=True,
+    )
+    with start(display, replace(sitting, settings={"monitor": "lab"}), home=tmp_path) as lab:
+        assert lab.next_page() == "consent"
+        display.press("Return")
+        assert lab.next_page() == "instructions"
+    with Store.open(sitting.store, must_exist=True) as store:
+        (session,) = store.sessions()
+    screen = session.screen
+    assert (screen["monitor"], screen["monitor_width_cm"], screen["distance_cm"]) == ("lab", 53, 60)
