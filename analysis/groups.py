@@ -13,7 +13,7 @@ from analysis.chance import (
     largest_level_at_chance_by_participant,
 )
 from analysis.estimates import Estimate
-from analysis.participant_interval import participant_interval
+from analysis.over_participants import participant_interval
 from analysis.thresholds import ThresholdFit, fit_threshold
 
 

@@ -11,10 +11,11 @@ from matplotlib.figure import Figure
 from algorithms.errors import InputError
 from algorithms.files import make_folder, write_atomically
 from analysis.chance import ChanceLimit
-from analysis.estimates import Estimate
+from analysis.estimates import Estimate, to_json
 from analysis.exclusions import Who
 from analysis.figures import study_figures
 from analysis.figures.style import SIMULATED_TEXT, figure_bytes, save_figure
+from analysis.participants import describe_participants
 from analysis.study_analysis import StudyAnalysis, analyse_study
 from analysis.tables import study_tables
 from analysis.verdict import level_name, verdict
@@ -23,6 +24,7 @@ from experiments.study import Study
 from stimuli.manifest import StimulusSet
 
 REPORT_NAME = "report.html"
+RESULTS_NAME = "results.json"
 DEFAULT_SEED = 1
 
 _TEMPLATES = jinja2.Environment(
@@ -47,7 +49,7 @@ def _interval(estimate: Estimate) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{share:.1%}"
+    return f"{100 * share:.1f} %"
 
 
 def _limit(limit: ChanceLimit | None) -> str:
@@ -135,7 +137,8 @@ def write_report(analysis: StudyAnalysis, folder: Path) -> Path:
     figures = study_figures(analysis)
     for name, figure in figures.items():
         save_figure(figure, figures_folder, name)
-    write_atomically(folder / "results.json", analysis.to_json().encode())
+    results = to_json({"verdict": verdict(analysis), **analysis.summary()})
+    write_atomically(folder / RESULTS_NAME, results.encode())
     report = folder / REPORT_NAME
     write_atomically(report, render(analysis, figures).encode())
     return report
@@ -155,6 +158,7 @@ def render(analysis: StudyAnalysis, figures: Mapping[str, Figure]) -> str:
         analysis=analysis,
         study=analysis.study,
         stimuli=analysis.stimuli,
+        people="" if analysis.simulated else describe_participants(analysis.sessions),
         flow=analysis.flow.to_frame().to_dict("records"),
         sentences=verdict(analysis),
         level=level_name(analysis),

@@ -8,13 +8,13 @@ import numpy as np
 import pandas as pd
 
 from algorithms.errors import InputError
-from analysis.estimates import software_version, to_json
+from analysis.estimates import software_version
 from analysis.exclusions import Flow, Who, apply_rule, select_sessions
 from analysis.groups import GroupThreshold, condition_splits, group_thresholds
 from analysis.hits import HitRates, hit_rates
 from analysis.salience import Salience, object_salience
 from analysis.times import AnswerTimes, answer_times
-from analysis.trial_table import trial_table
+from analysis.trials import trial_table
 from experiments.responses import Event, Response, Session, responses_frame
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
@@ -32,6 +32,8 @@ class StudyAnalysis:
         What was run.
     flow
         Whose answers are analysed, and of how many.
+    sessions
+        Those that are analysed.
     trials
         The analysed trials (`analysis.trial_table`).
     thresholds
@@ -49,6 +51,7 @@ class StudyAnalysis:
     study: Study
     stimuli: StimulusSet
     flow: Flow
+    sessions: tuple[Session, ...]
     trials: pd.DataFrame
     thresholds: tuple[GroupThreshold, ...]
     hits: tuple[HitRates, ...]
@@ -75,24 +78,22 @@ class StudyAnalysis:
             table = table[table[name].astype(str) == value]
         return table
 
-    def to_json(self) -> str:
-        """Return the results without the single trials."""
-        return to_json(
-            {
-                "study": self.study.name,
-                "study_version": self.study.version,
-                "study_digest": self.study.digest,
-                "stimuli": self.stimuli.name,
-                "stimuli_digest": self.stimuli.digest,
-                "simulated": self.simulated,
-                "flow": self.flow,
-                "level": self.study.stimuli.level,
-                "level_unit": self.study.stimuli.level_unit,
-                "thresholds": [{"group": group.label, **vars(group)} for group in self.thresholds],
-                "seed": self.seed,
-                "versions": self.versions,
-            }
-        )
+    def summary(self) -> dict[str, object]:
+        """Return the results without the single trials, for JSON."""
+        return {
+            "study": self.study.name,
+            "study_version": self.study.version,
+            "study_digest": self.study.digest,
+            "stimuli": self.stimuli.name,
+            "stimuli_digest": self.stimuli.digest,
+            "simulated": self.simulated,
+            "flow": self.flow,
+            "level": self.study.stimuli.level,
+            "level_unit": self.study.stimuli.level_unit,
+            "thresholds": [{"group": group.label, **vars(group)} for group in self.thresholds],
+            "seed": self.seed,
+            "versions": self.versions,
+        }
 
 
 def analyse_study(
@@ -149,7 +150,8 @@ def analyse_study(
             f"nothing to analyse yet: {flow.recruited} began, {flow.completed} finished,"
             " none is left after the exclusions"
         )
-    return _analyse_trials(study, stimuli, flow, kept, seed)
+    analysed = tuple(one for one in chosen if one.participant not in gone)
+    return _analyse_trials(study, stimuli, flow, analysed, kept, seed)
 
 
 def _table_of(
@@ -163,7 +165,12 @@ def _table_of(
 
 
 def _analyse_trials(
-    study: Study, stimuli: StimulusSet, flow: Flow, trials: pd.DataFrame, seed: int
+    study: Study,
+    stimuli: StimulusSet,
+    flow: Flow,
+    sessions: tuple[Session, ...],
+    trials: pd.DataFrame,
+    seed: int,
 ) -> StudyAnalysis:
     if seed < 0:
         raise InputError(f"seed: {seed} given, 0 or more accepted")
@@ -178,6 +185,7 @@ def _analyse_trials(
         study=study,
         stimuli=stimuli,
         flow=flow,
+        sessions=sessions,
         trials=trials,
         thresholds=group_thresholds(trials, conditions, guess_rate),
         hits=tuple(

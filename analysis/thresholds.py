@@ -16,8 +16,8 @@ from analysis.counts import LevelCounts, level_counts
 from analysis.estimates import CONFIDENCE, Estimate, software_version
 from analysis.priors import default_priors
 
-# The grid of psignifit's second step. Its default (40, 40, 20, 20) takes three times as long for
-# intervals that differ by less than 1 % of their width (see benchmarks/recovery.py --grids).
+# psignifit's default (40, 40, 20, 20) takes twice as long, for intervals whose ends move by less
+# than 1 % of their length (benchmarks/recovery.py --grids).
 GRID_STEPS = {"threshold": 40, "width": 30, "lambda": 15, "eta": 12}
 # The grid resolves the posterior when tightening would not shrink it below this share.
 TIGHT_ENOUGH = 0.6

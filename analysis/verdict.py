@@ -29,8 +29,9 @@ def verdict(analysis: StudyAnalysis) -> list[str]:
         first = choices.loc[choices["share"].iloc[: len(analysis.stimuli.objects)].argmax()]
         sentences.append(
             f"Where no object differs, object {first['object']} is chosen most often:"
-            f" {first['share']:.1%} of the answers, 95 % interval {first['low']:.1%} to"
-            f" {first['high']:.1%}; {analysis.salience.chance:.1%} if all objects were alike."
+            f" {100 * first['share']:.1f} % of the answers, 95 % interval"
+            f" {100 * first['low']:.1f} to {100 * first['high']:.1f} %;"
+            f" {100 * analysis.salience.chance:.1f} % if all objects were alike."
         )
     if analysis.times is not None:
         sentences.append(f"The median answer took {analysis.times.median_s:.1f} s.")
@@ -67,8 +68,8 @@ def _mid_point(who: str, name: str, unit: str, group: GroupThreshold) -> str:
         )
     return (
         f"{who} notice a {name} of {in_levels(fit.threshold, unit)} half of the time beyond"
-        f" chance: there {fit.correct_at_threshold:.0%} of the answers are right, where guessing"
-        f" gives {fit.guess_rate:.1%}."
+        f" chance: there {100 * fit.correct_at_threshold:.0f} % of the answers are right, where"
+        f" guessing gives {100 * fit.guess_rate:.1f} %."
     )
 
 

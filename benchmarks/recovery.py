@@ -23,9 +23,9 @@ import pandas as pd
 
 from analysis.bootstrap import sum_by_participant
 from analysis.estimates import Estimate
-from analysis.participant_interval import participant_interval
+from analysis.over_participants import participant_interval
 from analysis.thresholds import GRID_STEPS, fit_threshold
-from analysis.trial_table import trial_table
+from analysis.trials import trial_table
 from experiments.observers import Observer, simulate_responses
 from experiments.study import load_study
 from stimuli.manifest import StimulusSet, load

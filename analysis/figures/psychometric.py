@@ -50,7 +50,7 @@ def draw_psychometric(
         markeredgewidth=2,
         color="black",
         linestyle="none",
-        label=f"mid-point ({height:.0%} right)\n{fit.threshold} {unit}",
+        label=f"mid-point, {100 * height:.0f} % right\n{fit.threshold} {unit}",
     )
     return axes
 
@@ -68,6 +68,6 @@ def psychometric_figure(analysis: StudyAnalysis) -> Figure:
         draw_psychometric(axes, group.fit, hits, analysis.study.stimuli.level_unit, number)
         axes.set_title(group.label)
         axes.set_xlabel(level_label(analysis.study))
-        axes.legend(loc="lower right", bbox_to_anchor=(1.02, 0.16), handlelength=1.0)
+        axes.legend(loc="lower right", bbox_to_anchor=(1.02, 0.16), handlelength=0.9)
     all_axes[0].set_ylabel("share of right answers")
     return figure

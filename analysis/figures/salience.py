@@ -57,7 +57,7 @@ def salience_figure(analysis: StudyAnalysis, salience: Salience) -> Figure:
     choices = salience.choices
     if split is not None:
         choices = choices[choices[split].notna()]
-    figure, (left, right) = new_figure(2, analysis.simulated, panel_width=3.9, share_y=False)
+    figure, (left, right) = new_figure(2, analysis.simulated, share_y=False)
     draw_choices(left, choices, split, salience.chance)
     left.set_title("Choices where no object differs")
     left.set_xlabel("object")

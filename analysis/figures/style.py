@@ -22,7 +22,7 @@ SIMULATED_TEXT = "SIMULATED answers, not people"
 
 SETTINGS: dict[Any, Any] = {  # the key's type is a union of all parameter names
     "font.family": "DejaVu Sans",
-    "font.size": 8.5,
+    "font.size": 9,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.titlesize": 9,
@@ -37,12 +37,13 @@ SETTINGS: dict[Any, Any] = {  # the key's type is a union of all parameter names
     "svg.fonttype": "path",
 }
 _PNG_DOTS_PER_INCH = 200
+_NARROWEST_PANEL = 1.8  # inches
 
 
 def new_figure(
     panels: int,
     simulated: bool,
-    panel_width: float = 2.7,
+    width: float = 8.1,
     height: float = 3.0,
     *,
     share_y: bool = True,
@@ -55,12 +56,12 @@ def new_figure(
         How many, 1 or more.
     simulated
         Whether programs answered.
-    panel_width, height
-        In inches.
+    width, height
+        In inches; many panels make the figure wider.
     share_y
         Whether the panels share their y axis.
     """
-    figure = Figure(figsize=(max(panel_width * panels, 3.6), height), layout="constrained")
+    figure = Figure(figsize=(max(width, _NARROWEST_PANEL * panels), height), layout="constrained")
     axes = figure.subplots(1, panels, sharey=share_y, squeeze=False)[0].tolist()
     if simulated:
         figure.suptitle(
@@ -92,7 +93,7 @@ def split_by(table: pd.DataFrame, name: str | None) -> Iterator[tuple[str, pd.Da
 
 def draw_chance(axes: Axes, rate: float) -> Axes:
     """Draw the rate of guessing across a panel."""
-    label = f"chance ({rate:.1%})"
+    label = f"chance ({100 * rate:.1f} %)"
     axes.axhline(rate, color=CHANCE_COLOUR, linestyle=(0, (4, 3)), linewidth=1, label=label)
     return axes
 

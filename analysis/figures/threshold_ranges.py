@@ -56,9 +56,7 @@ def draw_chance_limits(axes: Axes, groups: Sequence[GroupThreshold]) -> Axes:
 def threshold_figure(analysis: StudyAnalysis) -> Figure:
     """Return both kinds of threshold of all groups, each kind in a panel of its own."""
     groups = analysis.thresholds
-    figure, (left, right) = new_figure(
-        2, analysis.simulated, panel_width=3.9, height=1.6 + 0.26 * len(groups)
-    )
+    figure, (left, right) = new_figure(2, analysis.simulated, height=1.6 + 0.26 * len(groups))
     draw_mid_points(left, groups).set_title("Mid-point of the function")
     draw_chance_limits(right, groups).set_title("Largest level at chance")
     levels = np.array(analysis.overall.fit.levels)

@@ -21,7 +21,7 @@ def draw_times(axes: Axes, times: AnswerTimes) -> Axes:
 
 def times_figure(analysis: StudyAnalysis, times: AnswerTimes) -> Figure:
     """Return the time per answer over the levels."""
-    figure, (axes,) = new_figure(1, analysis.simulated, panel_width=5.4)
+    figure, (axes,) = new_figure(1, analysis.simulated, width=5.0)
     draw_times(axes, times)
     axes.set_xlabel(level_label(analysis.study))
     axes.legend(loc="upper right")
