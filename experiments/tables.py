@@ -84,6 +84,18 @@ settings = sa.Table(
 )
 
 
+def _refuse_changes(_: sa.Table, connection: Connection, **__: object) -> None:
+    """Make append-only the database's own rule, whoever writes to it."""
+    for change in ("UPDATE", "DELETE"):
+        connection.exec_driver_sql(
+            f"CREATE TRIGGER responses_refuse_{change} BEFORE {change} ON responses"
+            " BEGIN SELECT RAISE(ABORT, 'responses are never changed'); END"
+        )
+
+
+sa.event.listen(responses, "after_create", _refuse_changes)
+
+
 def open_database(path_or_url: str | Path, *, must_exist: bool) -> Engine:
     """Open a database, making it and its tables where they do not exist.
 

@@ -6,11 +6,16 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from experiments.store import Store
 from experiments.study import Study, load_study
 from stimuli.manifest import StimulusSet
 from tests.drawn_set import draw_set
+
+# Speed lives in benchmarks; the same examples every time, so that a failure stays one.
+settings.register_profile("trompe", deadline=None, derandomize=True)
+settings.load_profile("trompe")
 
 
 def require(present: object, what: str) -> None:

@@ -41,8 +41,8 @@ class ApiError(Exception):
     def __init__(self, status: int, message: str, code: str | None = None, **more: object) -> None:
         super().__init__(message)
         self.status = status
-        # What a client sent may be quoted in it: at any length, and in what is no valid Unicode.
-        self.message = message[:_LONGEST_MESSAGE].encode("ascii", "backslashreplace").decode()
+        # What a client sent may be quoted in it: of any length, with line ends, no valid Unicode.
+        self.message = message[:_LONGEST_MESSAGE].encode("unicode_escape").decode()
         self.code = code or _CODES.get(status, "error")
         self.more = more
 

@@ -17,8 +17,7 @@ from experiments.web.guard import MAX_BODY_BYTES
 from stimuli.manifest import StimulusSet
 from tests.web.visitor import STUDY, Visitor, consent
 
-# Speed varies with the machine, and is no matter here.
-UNTIMED = settings(deadline=None, max_examples=150, suppress_health_check=[HealthCheck.too_slow])
+MANY = settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow])
 
 # JSON as the most hostile client may send it: lone surrogates, huge numbers, NaN.
 scalars = (
@@ -88,7 +87,7 @@ ANSWER_KEYS = (
 )
 
 
-@UNTIMED
+@MANY
 @given(key=st.sampled_from(ANSWER_KEYS) | st.text(max_size=5), value=values, drop=st.booleans())
 def test_a_mutated_answer_is_refused_or_stored_whole(
     opened: tuple[Visitor, Store], key: str, value: object, drop: bool
@@ -104,7 +103,7 @@ def test_a_mutated_answer_is_refused_or_stored_whole(
         assert stored[message["trial_index"]].answer == message["answer"]
 
 
-@UNTIMED
+@MANY
 @given(
     key=st.sampled_from(["consent_version", "demographics", "screen", "device", "simulated"])
     | st.text(max_size=5),
@@ -122,7 +121,7 @@ def test_a_mutated_consent_opens_no_session_or_a_whole_one(
     assert len(store.sessions()) - before == (reply.status_code == 201)
 
 
-@UNTIMED
+@MANY
 @given(kind=st.text(max_size=50) | values, detail=values)
 def test_an_event_is_refused_or_stored(
     opened: tuple[Visitor, Store], kind: object, detail: object
@@ -135,7 +134,7 @@ def test_an_event_is_refused_or_stored(
     assert len(store.events()) - before == (reply.status_code == 204)
 
 
-@UNTIMED
+@MANY
 @given(body=st.binary(max_size=200))
 def test_bytes_that_are_no_answer_are_refused(opened: tuple[Visitor, Store], body: bytes) -> None:
     visitor, _ = opened
