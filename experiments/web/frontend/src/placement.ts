@@ -40,51 +40,57 @@ export function fitImage(
 /**
  * Find a place for each region's number: beside the region, over no region, inside the image.
  *
+ * Where one direction suits all regions every number stands there, so that each is read as its
+ * own object's and not as the neighbour's.
+ *
  * @param size - The side of a number's square, in image pixels.
  * @param gap - Its distance from the region's box, in image pixels.
  * @returns The centre of each number in image pixels, by label. Where an image is too crowded,
  *   the place that covers least.
  */
-export function numberPlaces(
-  regions: Regions,
-  size: number,
-  gap: number,
-): Map<number, { x: number; y: number }> {
-  const places = new Map<number, { x: number; y: number }>();
-  for (const [label, box] of regions.boxes()) {
-    const squares = candidates(box, size / 2 + gap).map((centre) => ({
-      centre,
-      covered: regions.covered(squareAround(centre, size)),
-    }));
-    const best = squares.reduce((a, b) => (b.covered < a.covered ? b : a));
-    places.set(label, best.centre);
-  }
-  return places;
+export function numberPlaces(regions: Regions, size: number, gap: number): Map<number, Point> {
+  const boxes = [...regions.boxes()];
+  const place = (box: Box, [right, down]: Direction): Point => ({
+    x: (box.left + box.right) / 2 + right * ((box.right - box.left + size) / 2 + gap),
+    y: (box.top + box.bottom) / 2 + down * ((box.bottom - box.top + size) / 2 + gap),
+  });
+  const covered = (box: Box, direction: Direction) =>
+    regions.covered(squareAround(place(box, direction), size));
+  const common = DIRECTIONS.find((direction) => boxes.every(([, box]) => !covered(box, direction)));
+  return new Map(
+    boxes.map(([label, box]) => {
+      const direction = common ?? leastBy(DIRECTIONS, (each) => covered(box, each));
+      return [label, place(box, direction)];
+    }),
+  );
 }
 
-/** Below, above, to the sides, then the corners of a region's box. */
-function candidates(box: Box, away: number): { x: number; y: number }[] {
-  const middle = { x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2 };
-  const outer = {
-    left: box.left - away,
-    right: box.right + away,
-    top: box.top - away,
-    bottom: box.bottom + away,
-  };
-  return [
-    { x: middle.x, y: outer.bottom },
-    { x: middle.x, y: outer.top },
-    { x: outer.right, y: middle.y },
-    { x: outer.left, y: middle.y },
-    { x: box.right, y: outer.bottom - away / 2 },
-    { x: box.left, y: outer.bottom - away / 2 },
-    { x: box.right, y: outer.top + away / 2 },
-    { x: box.left, y: outer.top + away / 2 },
-  ];
+interface Point {
+  x: number;
+  y: number;
 }
 
-function squareAround({ x, y }: { x: number; y: number }, size: number): Box {
+/** Steps to the right and down, 1 being beside the region's box and 0 its middle. */
+type Direction = readonly [right: number, down: number];
+
+/** Best first: below, above, the corners (where a round object leaves room), the sides. */
+const DIRECTIONS: readonly Direction[] = [
+  [0, 1],
+  [0, -1],
+  [0.75, 0.75],
+  [-0.75, 0.75],
+  [0.75, -0.75],
+  [-0.75, -0.75],
+  [1, 0],
+  [-1, 0],
+];
+
+function squareAround({ x, y }: Point, size: number): Box {
   const left = Math.floor(x - size / 2);
   const top = Math.floor(y - size / 2);
   return { left, top, right: left + Math.ceil(size), bottom: top + Math.ceil(size) };
+}
+
+function leastBy<T>(items: readonly T[], measure: (item: T) => number): T {
+  return items.reduce((best, item) => (measure(item) < measure(best) ? item : best));
 }

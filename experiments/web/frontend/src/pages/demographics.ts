@@ -25,6 +25,14 @@ export function askDemographics(
   // Our own messages appear beside the question; the browser's would not be in the study's language.
   const form = element("form", { novalidate: true }, ...questions.map(({ view }) => view), go);
   showPage(root, message("demographics.title"), form);
+  // A message goes when its question is touched again.
+  form.addEventListener("input", ({ target }) => {
+    const question = (target as Element).closest(".question");
+    question?.querySelector(".fault")?.replaceChildren();
+    for (const marked of question?.querySelectorAll("[aria-invalid]") ?? []) {
+      marked.removeAttribute("aria-invalid");
+    }
+  });
   return new Promise((resolve) => {
     form.addEventListener("submit", (event) => {
       event.preventDefault();

@@ -103,6 +103,10 @@ function sessionRow(session: SessionProgress): HTMLElement {
   );
 }
 
+/** The time of day, with the date where it is not today. */
 function clock(iso: string): string {
-  return new Date(iso).toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
+  const moment = new Date(iso);
+  const today = moment.toDateString() === new Date().toDateString();
+  const date: Intl.DateTimeFormatOptions = today ? {} : { dateStyle: "medium" };
+  return moment.toLocaleString([], { timeStyle: "short", ...date });
 }
