@@ -12,7 +12,6 @@ import pandas as pd
 import pytest
 from numpy.typing import NDArray
 
-from experiments.lab.geometry import Placement
 from experiments.responses import load_responses
 from experiments.store import Store
 from tests.lab.driver import Display, Sitting, image_area, start, take_study
@@ -104,14 +103,12 @@ def border(
 ) -> tuple[tuple[int, int], tuple[int, int]]:
     """Return the last pixel of the screen on a region and the next one, on one of its sides."""
     area = image_area(display.screenshot())
-    placement = Placement(area, regions.shape[1], regions.shape[0])
-    labels = np.array(
-        [
-            [_label(regions, placement, x, y) for x in range(area.left_px + area.width_px)]
-            for y in range(area.top_px + area.height_px)
-        ]
-    )
+    # By label, the object under the centre of every pixel of the image's area on the screen.
+    rows = np.floor((np.arange(area.height_px) + 0.5) / area.height_px * regions.shape[0])
+    columns = np.floor((np.arange(area.width_px) + 0.5) / area.width_px * regions.shape[1])
+    labels = regions[np.ix_(rows.astype(int), columns.astype(int))]
     ys, xs = np.nonzero(labels == label)
+    ys, xs = ys + area.top_px, xs + area.left_px
     x, y = int(np.median(xs)), int(np.median(ys))
     match side:
         case "left":
@@ -126,11 +123,6 @@ def border(
         case _:
             y = int(ys[xs == x].max())
             return (x, y), (x, y + 1)
-
-
-def _label(regions: NDArray[np.uint8], placement: Placement, x: int, y: int) -> int:
-    pixel = placement.image_pixel(x, y)
-    return int(regions[pixel]) if pixel else 0
 
 
 def test_a_trial_without_an_answer_in_time_is_stored_as_such(
