@@ -82,9 +82,8 @@ def serve(
 
     loaded = load_study(study)
     stimulus_set = _verified(loaded, stimuli)
-    with Store.open(data) as store:
+    with web.listen(host, port) as listener, Store.open(data) as store:
         application = web.create_app(loaded, stimulus_set, store, pilot=pilot)
-        listener = web.listen(host, port)
         _print_facts(web.links(web.base_url(listener), loaded, store), as_json)
         web.serve(application, listener)
 

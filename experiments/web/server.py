@@ -23,10 +23,9 @@ def serve(app: FastAPI, listener: socket.socket) -> None:
     app
         From `create_app`.
     listener
-        From `listen`.
+        From `listen`; whoever opened it closes it.
     """
-    with listener:
-        _server(app).run(sockets=[listener])
+    _server(app).run(sockets=[listener])
 
 
 @contextmanager

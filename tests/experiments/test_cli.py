@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import shutil
+import socket
 from pathlib import Path
 
 import pytest
@@ -129,6 +130,19 @@ def test_what_cannot_be_done_is_told_in_one_line(
     with pytest.raises(InputError, match=message) as caught:
         study_command(*(known.get(part, part) for part in arguments))
     assert "\n" not in str(caught.value)
+
+
+def test_serve_refuses_a_port_in_use_and_makes_no_store(
+    drawn_set: StimulusSet, tmp_path: Path
+) -> None:
+    data = tmp_path / "r.sqlite"
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        with pytest.raises(InputError, match=f"port {port} is in use; choose another with --port"):
+            study_command(
+                *("serve", STUDY, "--stimuli", drawn_set.folder, "--data", data, "--port", port)
+            )
+    assert not data.exists()
 
 
 def test_serve_refuses_an_unwritable_folder(drawn_set: StimulusSet, tmp_path: Path) -> None:
