@@ -98,6 +98,14 @@ def _npm(folder: Path, *arguments: str) -> None:
 def _first_fault(output: str) -> str:
     """Return the line of npm's output that says what is wrong, past those that say that it is."""
     lines = [line.removeprefix("npm error").strip() for line in output.splitlines()]
-    preamble = ("npm warn", "code ", "errno ", "syscall ", "✗", "error during build")
+    preamble = (
+        "npm warn",
+        "code ",
+        "errno ",
+        "syscall ",
+        "✗",
+        "error during build",
+        "Build failed",
+    )
     said = [line for line in lines if line and not line.startswith(preamble)]
     return said[0] if said else "npm gave no reason"

@@ -17,6 +17,8 @@ export interface Box {
  * their users' privacy falsify the pixels read back from a canvas.
  */
 export class Regions {
+  private foundBoxes: Map<number, Box> | null = null;
+
   private constructor(
     readonly width_px: number,
     readonly height_px: number,
@@ -65,19 +67,23 @@ export class Regions {
   }
 
   /** Return the smallest box around each label, by label. */
-  boxes(): Map<number, Box> {
+  boxes(): ReadonlyMap<number, Box> {
+    this.foundBoxes ??= this.findBoxes();
+    return this.foundBoxes;
+  }
+
+  private findBoxes(): Map<number, Box> {
     const boxes = new Map<number, Box>();
     for (let y = 0; y < this.height_px; y++) {
       for (let x = 0; x < this.width_px; x++) {
         const label = this.labelAt(x, y);
-        if (label !== BACKGROUND) {
-          const box = boxes.get(label);
-          boxes.set(label, {
-            left: Math.min(box?.left ?? x, x),
-            top: box?.top ?? y,
-            right: Math.max(box?.right ?? 0, x + 1),
-            bottom: y + 1,
-          });
+        const box = boxes.get(label);
+        if (box !== undefined) {
+          box.left = Math.min(box.left, x);
+          box.right = Math.max(box.right, x + 1);
+          box.bottom = y + 1;
+        } else if (label !== BACKGROUND) {
+          boxes.set(label, { left: x, top: y, right: x + 1, bottom: y + 1 });
         }
       }
     }
