@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from experiments.lab.geometry import Area
+from experiments.lab.inputs import KeyPress
 from experiments.lab.pictures import Picture, load_picture
-from experiments.lab.window import Drawable, KeyPress, LabWindow
+from experiments.lab.window import Drawable, LabWindow
 from experiments.study import Study
 from experiments.trials import Trial
 from stimuli.manifest import StimulusSet
@@ -20,6 +21,9 @@ _SHARE_OF_TEXT = 0.4  # where a picture follows
 
 _WIDEST_TEXT = 0.8  # of the window's width
 _SMALLEST_TEXT_PX = 10.0
+
+# Letters are on average a little more than half as wide as the text is high.
+_WIDEST_LINE = 1.7
 
 
 @dataclass(frozen=True)
@@ -121,14 +125,18 @@ def show_feedback(window: LabWindow, trial: Trial, picture: Picture, right: bool
 
 def heading(window: LabWindow, text: str) -> Drawable:
     """Prepare the line above a stimulus."""
-    y_px = HEADING_BAND / 2 * window.height_px
-    return window.text(text, window.width_px / 2, y_px, _LINE * window.height_px)
+    return _line(window, text, HEADING_BAND / 2, _LINE)
 
 
 def footing(window: LabWindow, text: str) -> Drawable:
     """Prepare a page's last line, which says which keys do what."""
-    y_px = (1 - FOOTING_BAND / 2) * window.height_px
-    return window.text(text, window.width_px / 2, y_px, 0.8 * _LINE * window.height_px)
+    return _line(window, text, 1 - FOOTING_BAND / 2, 0.8 * _LINE)
+
+
+def _line(window: LabWindow, text: str, y: float, size: float) -> Drawable:
+    """Set one line in the middle, smaller where it would be wider than the window."""
+    size_px = min(size * window.height_px, _WIDEST_LINE * window.width_px / len(text))
+    return window.text(text, window.width_px / 2, y * window.height_px, size_px)
 
 
 def _wait(window: LabWindow, name: str, parts: Sequence[Drawable], keys: Sequence[str]) -> str:

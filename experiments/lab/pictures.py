@@ -9,7 +9,8 @@ from PIL import Image
 from algorithms.color import encode_srgb
 from algorithms.errors import InputError
 from experiments.lab.geometry import Area, Placement, fit
-from experiments.lab.window import Click, Drawable, KeyPress, LabWindow
+from experiments.lab.inputs import KeyPress, Press
+from experiments.lab.window import Drawable, LabWindow
 from experiments.regions import Point, Regions, load_regions, numeral_places, outline
 from stimuli.manifest import Stimulus, StimulusSet
 
@@ -49,7 +50,7 @@ class Picture:
         for layer in self.layers:
             layer.draw()
 
-    def label_of(self, press: KeyPress | Click) -> int | None:
+    def label_of(self, press: Press) -> int | None:
         """Return the object that a key or a click on it or its numeral means, None for none."""
         if isinstance(press, KeyPress):
             label = int(press.key) if press.key.isdigit() else None

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 from experiments.answers import Measurement
 from experiments.lab.geometry import Area
+from experiments.lab.inputs import Click, KeyPress, Press
 from experiments.lab.pages import FOOTING_BAND, HEADING_BAND, heading
 from experiments.lab.pictures import Picture
-from experiments.lab.window import Click, Drawable, Frames, KeyPress, LabWindow
+from experiments.lab.window import Drawable, Frames, LabWindow
 from experiments.responses import Input
 from experiments.study import Timing
 from experiments.trials import Answer
@@ -102,7 +103,7 @@ def present(
 
 
 def _outcome(
-    answer: Answer, press: KeyPress | Click | None, onset_s: tuple[float, float], frames: Frames
+    answer: Answer, press: Press | None, onset_s: tuple[float, float], frames: Frames
 ) -> Outcome:
     requested_s, measured_s = onset_s
     return Outcome(
@@ -118,7 +119,7 @@ def _outcome(
     )
 
 
-def _input(press: KeyPress | Click | None) -> Input:
+def _input(press: Press | None) -> Input:
     match press:
         case KeyPress():
             return "keyboard"
@@ -128,7 +129,7 @@ def _input(press: KeyPress | Click | None) -> Input:
             return "none"
 
 
-def _is_escape(press: KeyPress | Click) -> bool:
+def _is_escape(press: Press) -> bool:
     return isinstance(press, KeyPress) and press.key == "escape"
 
 

@@ -11,11 +11,12 @@ from algorithms.files import make_folder
 from experiments.answers import make_response
 from experiments.demographics import check_demographics
 from experiments.lab import pages
+from experiments.lab.opening import open_window
 from experiments.lab.pages import Page, show_page
 from experiments.lab.pictures import Picture, load_picture
 from experiments.lab.presenter import Outcome, Surround, prepare_surround, present, stimulus_area
 from experiments.lab.psychopy_files import PsychoPyFiles
-from experiments.lab.window import LabWindow, WindowSettings, open_window
+from experiments.lab.window import LabWindow, WindowSettings
 from experiments.responses import Session
 from experiments.store import NewSession, Store
 from experiments.study import Study, check_stimuli
@@ -183,7 +184,8 @@ class _Run:
         answers = self.store.answers(self.session.id)
         pictures = self._load_pictures(answers)
         try:
-            self._explain()
+            if pictures:
+                self._explain()
             self._show_trials(answers, pictures)
         except _Left:
             return

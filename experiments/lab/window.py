@@ -1,27 +1,22 @@
-"""The PsychoPy window: opening it, drawing in it, and what is pressed and when."""
+"""The PsychoPy window: what is drawn in it, when it is shown, and how its frames were."""
 
-import os
 import statistics
-import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
 from types import ModuleType
 from typing import Any, Protocol
 
 from PIL import Image
 
-from algorithms.errors import InputError, UnavailableError
+from algorithms.errors import InputError
 from experiments.lab.geometry import Area
+from experiments.lab.inputs import Press, Presses
 
 BACKGROUND_RGB = (128, 128, 128)
 """The surround of every page and image, sRGB values 0 to 255: the web's mid-grey."""
 
 INK_RGB = (238, 238, 238)
-
-_LEFT_BUTTON = 1  # pyglet's
 
 # Without vertical synchronisation frames cost nothing but time; then we make 60 a second.
 _UNSYNCHRONISED_HZ = 60.0
@@ -62,23 +57,6 @@ class WindowSettings:
 
 
 @dataclass(frozen=True)
-class KeyPress:
-    """A key: `1` to `9` (numeric pad included), `enter` or `escape`; on the window's clock."""
-
-    key: str
-    time_s: float
-
-
-@dataclass(frozen=True)
-class Click:
-    """A click of the left button on a pixel counted from the window's upper left corner."""
-
-    x_px: int
-    y_px: int
-    time_s: float
-
-
-@dataclass(frozen=True)
 class Frames:
     """What the window's frames were like since `start_frames`.
 
@@ -116,6 +94,8 @@ class LabWindow:
     ----------
     visual
         PsychoPy's module of windows and stimuli.
+    monitor
+        PsychoPy's monitor, without a gamma.
     settings
         How the window is opened.
     announce
@@ -123,7 +103,11 @@ class LabWindow:
     """
 
     def __init__(
-        self, visual: ModuleType, settings: WindowSettings, announce: Callable[[str], None]
+        self,
+        visual: ModuleType,
+        monitor: object,
+        settings: WindowSettings,
+        announce: Callable[[str], None],
     ) -> None:
         self._visual = visual
         self._settings = settings
@@ -131,7 +115,7 @@ class LabWindow:
             size=settings.size_px or (1280, 800),
             fullscr=settings.fullscreen,
             screen=settings.screen,
-            monitor=_uncorrected_monitor(settings.monitor),
+            monitor=monitor,
             color=BACKGROUND_RGB,
             colorSpace="rgb255",
             units="pix",
@@ -139,14 +123,10 @@ class LabWindow:
             checkTiming=False,
             title="Trompe",
         )
-        self._presses: list[KeyPress | Click] = []
         self._next_frame_s = 0.0
-        self._keys = _key_names()
         self.announce = announce
         self.width_px, self.height_px = (int(side) for side in self._window.size)
-        self._window.winHandle.push_handlers(
-            on_key_press=self._on_key, on_mouse_press=self._on_click, on_close=self._on_close
-        )
+        self._presses = Presses(self._window.winHandle, self.height_px, self.time_s)
         measured_hz = self._window.getActualFrameRate(infoMsg="")
         synchronised = measured_hz is not None and measured_hz < _FASTEST_DISPLAY_HZ
         self.refresh_hz: float | None = float(measured_hz) if synchronised else None
@@ -264,10 +244,9 @@ class LabWindow:
 
         return float(logging.defaultClock.getTime())
 
-    def take_presses(self) -> list[KeyPress | Click]:
+    def take_presses(self) -> list[Press]:
         """Return what was pressed since the last call, oldest first; known once a frame."""
-        taken, self._presses = self._presses, []
-        return taken
+        return self._presses.take()
 
     def start_frames(self) -> None:
         """Begin to record the intervals between frames."""
@@ -286,100 +265,3 @@ class LabWindow:
 
     def _centred(self, x_px: float, y_px: float) -> tuple[float, float]:
         return x_px - self.width_px / 2, self.height_px / 2 - y_px
-
-    def _on_key(self, symbol: int, _modifiers: int) -> None:
-        key = self._keys.get(symbol)
-        if key is not None:
-            self._presses.append(KeyPress(key, self.time_s()))
-
-    def _on_click(self, x_px: int, y_px: int, button: int, _modifiers: int) -> None:
-        # pyglet counts rows from the lower edge, on X11 from 1 instead of 0 when a button is
-        # pressed (its motion events count from 0).
-        from_below = y_px - 1 if sys.platform.startswith("linux") else y_px
-        if button == _LEFT_BUTTON:
-            row = self.height_px - 1 - from_below
-            self._presses.append(Click(x_px, row, self.time_s()))
-
-    def _on_close(self) -> bool:
-        self._presses.append(KeyPress("escape", self.time_s()))
-        return True  # handled: the window stays open until the run has ended
-
-
-@contextmanager
-def open_window(settings: WindowSettings, announce: Callable[[str], None]) -> Iterator[LabWindow]:
-    """Open the window and close it afterwards, whatever happens.
-
-    Raises
-    ------
-    InputError
-        If there is no such screen, or PsychoPy does not know the monitor.
-    UnavailableError
-        If PsychoPy or a display is missing; the message says how to get it.
-    """
-    with _told_in_one_line():
-        window = LabWindow(_import_visual(), settings, announce)
-    try:
-        window.check_screen()
-        yield window
-    finally:
-        window.close()
-
-
-@contextmanager
-def _told_in_one_line() -> Iterator[None]:
-    """Turn the absence of PsychoPy, of a display or of OpenGL on it into a line that helps."""
-    needs = "start it in a desktop session, or try it out with xvfb-run"
-    if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
-        raise UnavailableError(f"the lab runner needs a display (DISPLAY is not set): {needs}")
-    try:
-        yield
-    except ImportError as error:
-        raise UnavailableError(
-            f"the lab runner needs PsychoPy ({error}): pip install 'trompe[lab]'"
-        ) from error
-    except Exception as error:
-        # pyglet has an exception of its own for each thing that a display may lack.
-        if type(error).__module__.partition(".")[0] != "pyglet":
-            raise
-        raise UnavailableError(
-            f"the lab runner needs a display with OpenGL ({error}): {needs}"
-        ) from error
-
-
-def _import_visual() -> ModuleType:
-    """Import PsychoPy, quietly and without sound."""
-    from psychopy import logging, prefs
-
-    prefs.hardware["audioLib"] = []
-    logging.console.setLevel(logging.ERROR)
-    return import_module("psychopy.visual")
-
-
-def _uncorrected_monitor(name: str | None) -> object:
-    """Return a monitor of the named one's size and distance, without its gamma."""
-    from psychopy import monitors
-
-    known = monitors.getAllMonitors()
-    if name is not None and name not in known:
-        raise InputError(
-            f"monitor: {name!r} is not in PsychoPy's Monitor Center; there are: {', '.join(known)}"
-        )
-    monitor = monitors.Monitor("uncorrected")
-    if name is not None:
-        calibrated = monitors.Monitor(name)
-        monitor.setWidth(calibrated.getWidth())
-        monitor.setDistance(calibrated.getDistance())
-    return monitor
-
-
-def _key_names() -> dict[int, str]:
-    from pyglet.window import key
-
-    # The numeric pad, from 1 to 9, when Num Lock is off.
-    pad = ("END", "DOWN", "PAGE_DOWN", "LEFT", "BEGIN", "RIGHT", "HOME", "UP", "PAGE_UP")
-    names = {key.ESCAPE: "escape", key.RETURN: "enter", key.NUM_ENTER: "enter"}
-    for digit, unlocked in enumerate(pad, start=1):
-        names[getattr(key, f"_{digit}")] = str(digit)
-        names[getattr(key, f"NUM_{digit}")] = str(digit)
-        names[getattr(key, f"NUM_{unlocked}")] = str(digit)
-    return names

@@ -12,9 +12,10 @@ from PIL import Image
 
 from algorithms.color import encode_srgb
 from algorithms.errors import InputError, UnavailableError
+from experiments.lab.opening import open_window
 from experiments.lab.pictures import shown_image
 from experiments.lab.runner import run_lab, unfinished_session
-from experiments.lab.window import WindowSettings, open_window
+from experiments.lab.window import WindowSettings
 from experiments.store import NewSession, Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
