@@ -116,7 +116,7 @@ def largest_level_at_chance(
 
 
 def largest_level_at_chance_by_participant(
-    levels: ArrayLike, correct: Matrix, total: Matrix, guess_rate: float, alpha: float = ALPHA
+    levels: ArrayLike, correct: ArrayLike, total: ArrayLike, guess_rate: float, alpha: float = ALPHA
 ) -> ChanceLimit:
     """Return the largest level at which the mean participant cannot be told from chance.
 
@@ -141,19 +141,19 @@ def largest_level_at_chance_by_participant(
     many answers each it is the one-sample t-test of the participants' rates.
     """
     _check_alpha(alpha)
-    correct, total = np.asarray(correct, float), np.asarray(total, float)
-    if correct.shape != total.shape or correct.ndim != 2 or len(correct) < 2:
+    right, answers = np.asarray(correct, float), np.asarray(total, float)
+    if right.shape != answers.shape or right.ndim != 2 or len(right) < 2:
         raise InputError(
-            f"correct, total: shapes {correct.shape} and {total.shape} given,"
+            f"correct, total: shapes {right.shape} and {answers.shape} given,"
             " one shape (participants, levels) with two participants or more accepted"
         )
-    counts = level_counts(levels, correct.sum(axis=0), total.sum(axis=0), guess_rate)
-    if len(counts.levels) != correct.shape[1]:
+    counts = level_counts(levels, right.sum(axis=0), answers.sum(axis=0), guess_rate)
+    if not np.array_equal(counts.levels, np.asarray(levels, float)):
         raise InputError("levels: different levels in rising order, all with answers, accepted")
-    rates = correct.sum(axis=0) / total.sum(axis=0)
-    p_values = [_mean_above(k, n, guess_rate) for k, n in zip(correct.T, total.T, strict=True)]
+    rates = right.sum(axis=0) / answers.sum(axis=0)
+    p_values = [_mean_above(k, n, guess_rate) for k, n in zip(right.T, answers.T, strict=True)]
     return _limit(
-        counts.levels, rates, p_values, guess_rate, alpha, int(total.sum()), "t over participants"
+        counts.levels, rates, p_values, guess_rate, alpha, sum(counts.total), "t over participants"
     )
 
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import jinja2
-from matplotlib.figure import Figure
 
 from algorithms.errors import InputError
 from algorithms.files import make_folder, write_atomically
@@ -14,7 +13,7 @@ from analysis.chance import ChanceLimit
 from analysis.estimates import Estimate, to_json
 from analysis.exclusions import Who
 from analysis.figures import study_figures
-from analysis.figures.style import SIMULATED_TEXT, figure_bytes, save_figure
+from analysis.figures.style import SIMULATED_TEXT, figure_bytes
 from analysis.participants import describe_participants
 from analysis.study_analysis import StudyAnalysis, analyse_study
 from analysis.tables import study_tables
@@ -135,24 +134,26 @@ def write_report(analysis: StudyAnalysis, folder: Path) -> Path:
         content = table.to_csv(index=False, lineterminator="\n")
         write_atomically(tables_folder / f"{name}.csv", content.encode())
     figures = study_figures(analysis)
+    drawings = {name: figure_bytes(figure, "svg") for name, figure in figures.items()}
     for name, figure in figures.items():
-        save_figure(figure, figures_folder, name)
+        write_atomically(figures_folder / f"{name}.svg", drawings[name])
+        write_atomically(figures_folder / f"{name}.png", figure_bytes(figure, "png"))
     results = to_json({"verdict": verdict(analysis), **analysis.summary()})
     write_atomically(folder / RESULTS_NAME, results.encode())
     report = folder / REPORT_NAME
-    write_atomically(report, render(analysis, figures).encode())
+    write_atomically(report, render(analysis, drawings).encode())
     return report
 
 
-def render(analysis: StudyAnalysis, figures: Mapping[str, Figure]) -> str:
+def render(analysis: StudyAnalysis, drawings: Mapping[str, bytes]) -> str:
     """Return the report as one HTML page with everything in it.
 
     Parameters
     ----------
     analysis
         What it tells.
-    figures
-        As from `analysis.figures.study_figures`.
+    drawings
+        The SVG of each figure of `analysis.figures.study_figures`.
     """
     return _TEMPLATES.get_template("report.html").render(
         analysis=analysis,
@@ -165,14 +166,13 @@ def render(analysis: StudyAnalysis, figures: Mapping[str, Figure]) -> str:
         unit=analysis.study.stimuli.level_unit,
         unanswered=int(analysis.trials["answer"].isna().sum()),
         tables=sorted(study_tables(analysis)),
-        figures={name: _data_uri(figure) for name, figure in figures.items()},
+        figures={name: _data_uri(drawing) for name, drawing in drawings.items()},
         simulated_text=SIMULATED_TEXT,
     )
 
 
-def _data_uri(figure: Figure) -> str:
-    content = base64.b64encode(figure_bytes(figure, "svg")).decode()
-    return f"data:image/svg+xml;base64,{content}"
+def _data_uri(drawing: bytes) -> str:
+    return f"data:image/svg+xml;base64,{base64.b64encode(drawing).decode()}"
 
 
 def _registered(store: Store, name: str | None) -> tuple[Study, StimulusSet]:

@@ -45,6 +45,10 @@ FEWEST_ANSWERS = 10  # a share of fewer is left to the table
 def draw_fall(axes: Axes, salience: Salience) -> Axes:
     """Draw how the most salient object is chosen at each level where it is not the target."""
     shown = salience.fall[salience.fall["answers"] >= FEWEST_ANSWERS]
+    if shown.empty:
+        text = f"fewer than {FEWEST_ANSWERS} answers at every level"
+        axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center")
+        return axes
     for number, (measure, rows) in enumerate(split_by(shown, "measure")):
         axes.plot(rows["level"], rows["share"], color=COLOURS[number], linewidth=0.8, alpha=0.7)
         draw_points(axes, rows, ("level", "share", "low", "high"), number, measure)
@@ -67,6 +71,7 @@ def salience_figure(analysis: StudyAnalysis, salience: Salience) -> Figure:
     right.set_ylabel("share")
     right.set_xlabel(level_label(analysis.study))
     for axes in (left, right):
-        axes.legend(loc="upper right")
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(loc="upper right")
         axes.set_ylim(bottom=0)
     return figure

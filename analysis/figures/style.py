@@ -2,7 +2,6 @@
 
 import io
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -10,7 +9,6 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from algorithms.files import write_atomically
 from experiments.study import Study
 
 # Okabe and Ito 2008: told apart with any common colour vision, and in grey by their markers.
@@ -143,15 +141,3 @@ def figure_bytes(figure: Figure, file_format: str) -> bytes:
     with mpl.rc_context(SETTINGS):
         figure.savefig(stream, format=file_format, dpi=_PNG_DOTS_PER_INCH, metadata=metadata)
     return stream.getvalue()
-
-
-def save_figure(figure: Figure, folder: Path, name: str) -> None:
-    """Write a figure as SVG and as PNG.
-
-    Raises
-    ------
-    InputError
-        If the folder is not writable.
-    """
-    for file_format in ("svg", "png"):
-        write_atomically(folder / f"{name}.{file_format}", figure_bytes(figure, file_format))

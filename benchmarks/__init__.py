@@ -1,0 +1,1 @@
+"""Side-by-side speed and accuracy, one script a subject, each printing JSON."""

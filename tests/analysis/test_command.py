@@ -1,0 +1,53 @@
+import json
+from pathlib import Path
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from algorithms.errors import InputError
+from analysis.cli import analyse
+from analysis.report import DEFAULT_SEED
+from experiments.store import Store
+from experiments.study import Study
+from stimuli.manifest import StimulusSet
+from tests.analysis.answers import fill_store, rows_of
+
+app = typer.Typer()
+app.command()(analyse)
+
+
+@pytest.fixture(scope="module")
+def data(study: Study, drawn_set: StimulusSet, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("store") / "responses.sqlite"
+    with Store.open(path) as store:
+        fill_store(store, study, drawn_set, rows_of(study, drawn_set, 3, seed=1))
+    return path
+
+
+def test_prints_the_verdict_and_where_the_report_is(data: Path, tmp_path: Path) -> None:
+    result = CliRunner().invoke(app, [str(data), str(tmp_path / "out")])
+    assert result.exit_code == 0
+    assert result.output.startswith("Simulated observers, not people,")
+    assert f"wrote {tmp_path / 'out' / 'report.html'}" in result.output
+
+
+def test_json_holds_the_results_and_the_seed(data: Path, tmp_path: Path) -> None:
+    result = CliRunner().invoke(app, [str(data), str(tmp_path), "--json", "--seed", "7"])
+    found = json.loads(result.output)
+    assert found["report"] == str(tmp_path / "report.html")
+    assert found["seed"] == 7
+    assert found["simulated"] is True
+    assert found["thresholds"][0]["group"] == "all"
+
+
+def test_default_seed_is_the_recorded_one(data: Path, tmp_path: Path) -> None:
+    result = CliRunner().invoke(app, [str(data), str(tmp_path), "--json"])
+    assert json.loads(result.output)["seed"] == DEFAULT_SEED
+
+
+def test_asking_for_people_where_there_are_none(data: Path, tmp_path: Path) -> None:
+    result = CliRunner().invoke(app, [str(data), str(tmp_path / "out"), "--people"])
+    assert isinstance(result.exception, InputError)
+    assert str(result.exception).startswith("nothing to analyse yet: no session of people")
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,72 @@
+from dataclasses import replace
+
+import matplotlib.pyplot as plt
+import pytest
+
+from analysis.figures import study_figures
+from analysis.figures.style import SIMULATED_TEXT, figure_bytes
+from analysis.study_analysis import StudyAnalysis, analyse_study
+from experiments.study import Study
+from stimuli.manifest import StimulusSet
+from tests.analysis.answers import responses_of, rows_of, sessions_of
+
+NAMES = ["hit-rates", "psychometric", "salience", "thresholds", "times"]
+
+
+@pytest.fixture(scope="module")
+def analysis(study: Study, drawn_set: StimulusSet) -> StudyAnalysis:
+    rows = rows_of(study, drawn_set, 8, seed=1)
+    return analyse_study(study, drawn_set, sessions_of(rows), responses_of(rows), seed=1)
+
+
+def test_every_figure_bears_the_mark_iff_simulated(analysis: StudyAnalysis) -> None:
+    people = replace(analysis, flow=replace(analysis.flow, who="people"))
+    assert sorted(study_figures(analysis)) == NAMES
+    for name, figure in study_figures(analysis).items():
+        assert figure.get_suptitle() == SIMULATED_TEXT, name
+    for name, figure in study_figures(people).items():
+        assert figure.get_suptitle() == "", name
+
+
+def test_svg_is_deterministic_and_dateless(analysis: StudyAnalysis) -> None:
+    for name in NAMES:
+        first, second = (figure_bytes(study_figures(analysis)[name], "svg") for _ in range(2))
+        assert first == second
+        assert b"<dc:date>" not in first
+
+
+def test_drawing_leaves_pyplot_alone(analysis: StudyAnalysis) -> None:
+    study_figures(analysis)
+    assert plt.get_fignums() == []
+
+
+def test_psychometric_panels_show_chance_and_the_definition(
+    analysis: StudyAnalysis, study: Study
+) -> None:
+    axes = study_figures(analysis)["psychometric"].axes
+    assert [one.get_title() for one in axes] == ["all", "front", "back", "front-back"]
+    for one in axes:
+        legend = one.get_legend()
+        assert legend is not None
+        texts = [text.get_text() for text in legend.get_texts()]
+        assert any(text.startswith("mid-point") for text in texts)
+        assert "chance (12.5 %)" in texts
+        chance = next(line for line in one.lines if line.get_label() == "chance (12.5 %)")
+        assert set(chance.get_ydata()) == {study.guess_rate}
+
+
+def test_the_two_kinds_of_threshold_have_panels_of_their_own(analysis: StudyAnalysis) -> None:
+    titles = [axes.get_title() for axes in study_figures(analysis)["thresholds"].axes]
+    assert titles == ["Mid-point of the function", "Largest level at chance"]
+
+
+def test_figures_without_conditions(study: Study, drawn_set: StimulusSet) -> None:
+    part = study.stimuli.model_copy(update={"conditions": ()})
+    plain = study.model_copy(update={"stimuli": part})
+    rows = rows_of(plain, drawn_set, 4, seed=1)
+    result = analyse_study(plain, drawn_set, sessions_of(rows), responses_of(rows), seed=1)
+    figures = study_figures(result)
+    assert sorted(figures) == NAMES
+    assert len(figures["hit-rates"].axes) == 1
+    for figure in figures.values():
+        assert figure_bytes(figure, "png").startswith(b"\x89PNG")

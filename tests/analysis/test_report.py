@@ -1,0 +1,209 @@
+import base64
+import json
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from algorithms.errors import InputError
+from analysis.report import analyse, write_report
+from analysis.study_analysis import StudyAnalysis, analyse_study
+from analysis.tables import study_tables
+from experiments.store import Store
+from experiments.study import Study
+from stimuli.manifest import StimulusSet
+from tests.analysis.answers import fill_store, responses_of, rows_of, sessions_of
+
+Make = Callable[..., StudyAnalysis]
+
+
+@pytest.fixture
+def make(study: Study, drawn_set: StimulusSet) -> Make:
+    def analysis_of(rows: pd.DataFrame) -> StudyAnalysis:
+        return analyse_study(study, drawn_set, sessions_of(rows), responses_of(rows), seed=1)
+
+    return analysis_of
+
+
+def figures_of(page: str) -> list[str]:
+    """The SVG sources inside a page."""
+    found = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', page)
+    return [base64.b64decode(one).decode() for one in found]
+
+
+@pytest.fixture(scope="module")
+def folders(
+    study: Study, drawn_set: StimulusSet, tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, Path]:
+    """The reports of one store that holds both people and simulated observers."""
+    folder = tmp_path_factory.mktemp("store")
+    simulated = rows_of(study, drawn_set, 3, seed=1)
+    names = {f"P000{n}": f"P010{n}" for n in (1, 2, 3)}
+    people = rows_of(study, drawn_set, 2, seed=2).assign(simulated=False, runner="web")
+    people["participant"] = people["participant"].map(names)
+    people["session"] = "lights-synthetic." + people["participant"] + ".1"
+    people["id"] = people["session"] + people["trial_index"].map(".{:04d}".format)
+    with Store.open(folder / "responses.sqlite") as store:
+        fill_store(store, study, drawn_set, simulated)
+        fill_store(store, study, drawn_set, people)
+    for who in ("people", "simulated"):
+        analyse(folder / "responses.sqlite", folder / who, who=who)
+    return {"people": folder / "people", "simulated": folder / "simulated"}
+
+
+@pytest.mark.parametrize("who", ["people", "simulated"])
+def test_page_needs_nothing_from_elsewhere(folders: dict[str, Path], who: str) -> None:
+    page = (folders[who] / "report.html").read_text()
+    loads = re.findall(r'(?:src|href|url|@import)\s*[=(]?\s*["\']?([^"\'\s)>]+)', page)
+    for target in loads:
+        assert target.startswith("data:") or (folders[who] / target).is_file(), target
+    assert "http" not in re.sub(r"base64,[^\"]+", "", page)
+
+
+def test_page_tables_and_figures_say_simulated_where_it_is(folders: dict[str, Path]) -> None:
+    page = (folders["simulated"] / "report.html").read_text()
+    assert "<strong>SIMULATED.</strong>" in page
+    assert "SIMULATED: Which object" in page
+    assert "Simulated observers, not people, notice a divergence" in page
+    assert "People notice" not in page
+    for table in (folders["simulated"] / "tables").glob("*.csv"):
+        assert pd.read_csv(table)["simulated"].all(), table
+
+
+def test_nothing_says_simulated_of_people(folders: dict[str, Path]) -> None:
+    page = (folders["people"] / "report.html").read_text()
+    assert "SIMULATED" not in page
+    assert "People notice a divergence" in page
+    assert "The store also holds 3 sessions simulated; they are not in this report" in " ".join(
+        page.split()
+    )
+    assert "Ages 30 to 30 (median 30); 2 female; 2 with an artistic background." in page
+    for table in (folders["people"] / "tables").glob("*.csv"):
+        assert not pd.read_csv(table)["simulated"].any(), table
+
+
+def test_results_agree_with_the_tables(folders: dict[str, Path]) -> None:
+    results = json.loads((folders["simulated"] / "results.json").read_text())
+    table = pd.read_csv(folders["simulated"] / "tables" / "thresholds.csv")
+    assert results["simulated"] is True
+    assert results["seed"] == 1
+    assert [one["group"] for one in results["thresholds"]] == table["group"].tolist()
+    for one, (_, row) in zip(results["thresholds"], table.iterrows(), strict=True):
+        value = one["fit"]["threshold"]["value"]
+        assert value == pytest.approx(row["threshold"]) or value is None
+    assert results["verdict"][0].startswith("Simulated observers, not people, notice")
+
+
+def test_page_states_where_it_comes_from(
+    folders: dict[str, Path], study: Study, drawn_set: StimulusSet
+) -> None:
+    page = (folders["people"] / "report.html").read_text()
+    for text in (study.digest, drawn_set.digest, "psignifit 4.", "Sch&uuml;tt et al. 2016"):
+        assert text in page
+
+
+def test_same_answers_same_bytes(
+    make: Make, study: Study, drawn_set: StimulusSet, tmp_path: Path
+) -> None:
+    rows = rows_of(study, drawn_set, 4, seed=3)
+    for name in ("first", "second"):
+        write_report(make(rows), tmp_path / name)
+    for path in sorted((tmp_path / "first").rglob("*.*")):
+        other = tmp_path / "second" / path.relative_to(tmp_path / "first")
+        assert path.read_bytes() == other.read_bytes(), path
+
+
+def _all_right(rows: pd.DataFrame, stimuli: StimulusSet) -> pd.DataFrame:
+    frame = stimuli.to_frame().set_index("stimulus")["answer"]
+    shown = [identifiers[0] for identifiers in rows["stimuli"]]
+    return rows.assign(answer=frame.loc[shown].fillna(1).astype(int).to_numpy())
+
+
+def _all_wrong(rows: pd.DataFrame, stimuli: StimulusSet) -> pd.DataFrame:
+    right = _all_right(rows, stimuli)
+    return right.assign(answer=right["answer"] % 8 + 1)
+
+
+def _without_controls(rows: pd.DataFrame, stimuli: StimulusSet) -> pd.DataFrame:
+    return rows[[stimuli[shown[0]].answer is not None for shown in rows["stimuli"]]]
+
+
+def _one_placement(rows: pd.DataFrame, stimuli: StimulusSet) -> pd.DataFrame:
+    return rows[[stimuli[shown[0]].factors["placement"] == "back" for shown in rows["stimuli"]]]
+
+
+def _without_times(rows: pd.DataFrame, _: StimulusSet) -> pd.DataFrame:
+    return rows.assign(reaction_time_s=np.nan)
+
+
+def _unchanged(rows: pd.DataFrame, _: StimulusSet) -> pd.DataFrame:
+    return rows
+
+
+@pytest.mark.parametrize(
+    ("change", "participants", "expected"),
+    [
+        (_unchanged, 1, "notice a divergence|reach no mid-point"),
+        (_all_right, 4, "it lies below the smallest divergence, 10 deg"),
+        (_all_wrong, 4, "it lies above the largest divergence, 90 deg"),
+        (_without_controls, 4, "notice a divergence"),
+        (_one_placement, 6, "By placement that mid-point is: back"),
+        (_without_times, 4, "notice a divergence"),
+    ],
+)
+def test_report_of_odd_data(
+    make: Make,
+    study: Study,
+    drawn_set: StimulusSet,
+    tmp_path: Path,
+    change: Callable[[pd.DataFrame, StimulusSet], pd.DataFrame],
+    participants: int,
+    expected: str,
+) -> None:
+    rows = change(rows_of(study, drawn_set, participants, seed=6), drawn_set)
+    analysis = make(rows)
+    page = write_report(analysis, tmp_path).read_text()
+    assert re.search(expected, page)
+    assert ("<h2>Salience</h2>" in page) == (analysis.salience is not None)
+    assert ("<h2>Time per answer</h2>" in page) == (analysis.times is not None)
+    assert not re.search(r"\b(nan|inf|None)\b", re.sub(r"base64,[^\"]+", "", page))
+    assert len(figures_of(page)) == len(list((tmp_path / "figures").glob("*.svg")))
+
+
+def test_every_table_carries_the_flag(make: Make, study: Study, drawn_set: StimulusSet) -> None:
+    analysis = make(rows_of(study, drawn_set, 3, seed=1))
+    people = replace(analysis, flow=replace(analysis.flow, who="people"))
+    for name, table in study_tables(analysis).items():
+        assert table["simulated"].all(), name
+        assert not study_tables(people)[name]["simulated"].any()
+
+
+def test_refuses(study: Study, drawn_set: StimulusSet, tmp_path: Path) -> None:
+    path = tmp_path / "responses.sqlite"
+    with pytest.raises(InputError, match="there is no response store"):
+        analyse(path, tmp_path / "out")
+    with Store.open(path) as store:
+        with pytest.raises(InputError, match="nothing to analyse yet, the store holds no study"):
+            analyse(path, tmp_path / "out")
+        store.register(study, drawn_set)
+        other = study.model_dump() | {"name": "other"}
+        store.register(Study.model_validate(other), drawn_set)
+    with pytest.raises(InputError, match="holds lights-synthetic, other; name one of them"):
+        analyse(path, tmp_path / "out")
+    with pytest.raises(InputError, match="study: 'third' given, the store holds: lights-s"):
+        analyse(path, tmp_path / "out", study="third")
+    with pytest.raises(InputError, match="nothing to analyse yet"):
+        analyse(path, tmp_path / "out", study="other")
+    assert not (tmp_path / "out").exists()
+
+
+def test_unwritable_folder_is_one_clear_line(
+    make: Make, study: Study, drawn_set: StimulusSet, tmp_path: Path
+) -> None:
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(InputError, match="not a folder that can be written to"):
+        write_report(make(rows_of(study, drawn_set, 2, seed=1)), tmp_path / "file")
