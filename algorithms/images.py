@@ -75,7 +75,7 @@ def write_image(path: str | Path, image: NDArray[np.float32]) -> None:
     if image.ndim != 3 or image.shape[2] != 3:
         raise InputError(f"image: (height, width, 3) is accepted, not {image.shape}")
     picture = Image.fromarray(np.round(encode_srgb(image) * 255).astype(np.uint8))
-    _write_picture(path, picture)
+    write_picture(path, picture)
 
 
 def read_labels(path: str | Path, max_pixels: int = MAX_PIXELS) -> NDArray[np.uint8]:
@@ -103,7 +103,7 @@ def write_labels(path: str | Path, labels: NDArray[np.uint8]) -> None:
     """
     if labels.ndim != 2 or labels.dtype != np.uint8:
         raise InputError(f"labels: uint8 (height, width) is accepted, not {labels.dtype}")
-    _write_picture(Path(path), Image.fromarray(labels))
+    write_picture(Path(path), Image.fromarray(labels))
 
 
 def read_channels(path: str | Path, max_pixels: int = MAX_PIXELS) -> NDArray[np.float32]:
@@ -144,8 +144,8 @@ def write_channels(path: str | Path, values: NDArray[np.float32]) -> None:
     path
         Ends in .exr.
     values
-        `(height, width)` or `(height, width, 1)`, written as channel Y, or `(height, width, 3)` (R, G,
-        B). Infinite values are allowed, such as the distance of the background.
+        `(height, width)` or `(height, width, 1)`, written as channel Y, or `(height, width, 3)`,
+        written as R, G, B. Infinite values are allowed, such as the background's distance.
 
     Raises
     ------
@@ -215,13 +215,20 @@ def _decode(path: Path, max_pixels: int) -> NDArray[np.float64]:
         return np.asarray(upright.convert("RGB"), dtype=np.float64) / 255
 
 
-def _write_picture(path: Path, picture: Image.Image) -> None:
+def write_picture(path: Path, picture: Image.Image) -> None:
+    """Write an encoded picture as PNG or JPEG, without metadata, the same bytes for the same one.
+
+    Raises
+    ------
+    InputError
+        If the suffix is another one, or the folder cannot be written to.
+    """
     suffix = _suffix(path)
     stream = io.BytesIO()
     if suffix == ".png":
         picture.save(stream, format="PNG", compress_level=6)
     elif suffix == ".exr":
-        raise InputError(f"{path}: a label image is written as .png")
+        raise InputError(f"{path}: a file ending in {', '.join(_DISPLAY_SUFFIXES)} is accepted")
     else:
         picture.save(stream, format="JPEG", quality=_JPEG_QUALITY, subsampling=0)
     write_atomically(path, stream.getvalue())

@@ -33,9 +33,11 @@ class PerlinNoise:
         cell = np.floor(points).astype(np.int64)
         offset = points - cell
         fade = offset**3 * (offset * (offset * 6 - 15) + 10)
+        weights = (1 - fade, fade)
         total = np.zeros(points.shape[:-1])
-        for corner in np.ndindex(2, 2, 2):
-            weight = np.where(np.array(corner) == 1, fade, 1 - fade).prod(axis=-1)
+        for i, j, k in np.ndindex(2, 2, 2):
+            weight = weights[i][..., 0] * weights[j][..., 1] * weights[k][..., 2]
+            corner = np.array([i, j, k])
             gradient = self._gradients[self._hash(cell + corner)]
             total += weight * np.einsum("...i,...i->...", gradient, offset - corner)
         return total

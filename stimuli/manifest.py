@@ -189,13 +189,17 @@ class StimulusSet(BaseModel):
             if sha256_of(path) != digest:
                 raise InputError(f"{path}: altered since the set was made (its SHA-256 differs)")
 
+    def in_folder(self, folder: Path) -> Self:
+        """Return the set with its folder known, its manifest not yet written."""
+        located = self.model_copy()
+        located._folder = folder
+        return located
+
     def write(self, folder: Path) -> Self:
         """Write `manifest.json` and return the set with its folder known."""
         content = json.dumps(self.model_dump(mode="json"), indent=1, sort_keys=False) + "\n"
         write_atomically(folder / MANIFEST_NAME, content.encode())
-        located = self.model_copy()
-        located._folder = folder
-        return located
+        return self.in_folder(folder)
 
 
 def load(path: str | Path) -> StimulusSet:

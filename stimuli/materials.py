@@ -40,12 +40,13 @@ class Material:
     def albedo_at(
         self, points: NDArray[np.floating[Any]], generator: np.random.Generator
     ) -> NDArray[np.float64]:
-        """Return the diffuse albedo at points of the object: a solid texture, without seams.
+        """Return the diffuse albedo over the object: a solid texture, without seams.
 
         Parameters
         ----------
         points
-            `(..., 3)`, in units of the object's radius, from its centre.
+            `(..., 3)`: where in the solid; unit directions from the object's centre give a texture
+            that is stretched as the surface swells.
         generator
             Draws the texture's phase; two points share a texture only through one call.
 
@@ -62,7 +63,9 @@ class Material:
         if self.pattern == "plain":
             return np.ones(points.shape[:-1])
         if self.pattern == "checkerboard":
-            tiles = np.floor(points * _TILES_PER_UNIT + generator.uniform(size=3))
+            # Turned, lest a tile's border be seen edge-on as a straight line.
+            turn = np.linalg.qr(generator.normal(size=(3, 3)))[0]
+            tiles = np.floor(points @ turn * _TILES_PER_UNIT + generator.uniform(size=3))
             return np.asarray(tiles.sum(axis=-1) % 2)
         noise = PerlinNoise(generator)
         offset = generator.uniform(0, 64, size=3)
@@ -100,14 +103,14 @@ class Material:
 
 
 TABLE_2_1: Final[dict[str, Material]] = {
-    "a": Material("diffuse", "plain", (0.62, 0.62)),
-    "b": Material("diffuse", "perlin-high", (0.08, 0.62)),
-    "c": Material("diffuse", "plain", (0.20, 0.20)),
-    "d": Material("shiny", "checkerboard", (0.04, 0.90)),
-    "e": Material("shiny", "checkerboard", (0.04, 0.90)),
-    "f": Material("diffuse", "plain", (0.38, 0.38)),
-    "g": Material("shiny", "perlin-low", (0.05, 0.55)),
-    "h": Material("shiny", "plain", (0.28, 0.28)),
+    "a": Material("diffuse", "plain", (0.85, 0.85)),
+    "b": Material("diffuse", "perlin-high", (0.06, 0.50)),
+    "c": Material("diffuse", "plain", (0.16, 0.16)),
+    "d": Material("shiny", "checkerboard", (0.04, 0.72)),
+    "e": Material("shiny", "checkerboard", (0.04, 0.72)),
+    "f": Material("diffuse", "plain", (0.30, 0.30)),
+    "g": Material("shiny", "perlin-low", (0.04, 0.42)),
+    "h": Material("shiny", "plain", (0.20, 0.20)),
 }
 """Finish and pattern by object (Lopez-Moreno 2011, table 2.1); the albedos are ours, spread so that
 an object's brightness says little about its light."""

@@ -80,13 +80,8 @@ class AbstractShape:
         """Return the outward unit normals of the surface along unit directions `(..., 3)`."""
         # The surface is where |p| / radius(p / |p|) = 1; its gradient points out.
         points = directions * self.radius(directions)[..., None]
-        gradient = np.stack(
-            [
-                self._level(points + step) - self._level(points - step)
-                for step in np.eye(3) * _DIFFERENCE_STEP
-            ],
-            axis=-1,
-        )
+        steps = np.eye(3) * _DIFFERENCE_STEP
+        gradient = np.stack([self._level(points + step) - 1 for step in steps], axis=-1)
         return np.asarray(gradient / np.linalg.norm(gradient, axis=-1, keepdims=True))
 
     def mesh(self, rows: int = 128, columns: int = 256) -> Mesh:

@@ -1,0 +1,76 @@
+"""A contact sheet: all images of a set side by side, each with what made it written below."""
+
+from pathlib import Path
+from typing import Final
+
+from PIL import Image, ImageDraw, ImageFont
+
+from algorithms.errors import InputError
+from algorithms.images import write_picture
+from stimuli.manifest import Stimulus, StimulusSet
+
+_MARGIN_PX: Final = 12
+_LINE_PX: Final = 18
+_PAPER: Final = (246, 246, 244)
+_INK: Final = (30, 30, 30)
+
+
+def draw_contact_sheet(stimuli: StimulusSet, *, columns: int, thumbnail_px: int) -> Image.Image:
+    """Draw all images of a set.
+
+    Parameters
+    ----------
+    stimuli
+        The set, in its folder.
+    columns
+        Images side by side, 1 or more.
+    thumbnail_px
+        Width of an image on the sheet, 16 or more.
+
+    Raises
+    ------
+    InputError
+        If an argument is out of range or an image is missing.
+    """
+    for name, value, lowest in (("columns", columns, 1), ("thumbnail_px", thumbnail_px, 16)):
+        if value < lowest:
+            raise InputError(f"{name}: {value} given, {lowest} or more accepted")
+    thumbnails = [_thumbnail(stimuli.path(s.file), thumbnail_px) for s in stimuli.stimuli]
+    cell_height_px = max(picture.height for picture in thumbnails) + _LINE_PX + _MARGIN_PX
+    rows = -(-len(thumbnails) // columns)
+    sheet = Image.new(
+        "RGB",
+        (_MARGIN_PX + columns * (thumbnail_px + _MARGIN_PX), _MARGIN_PX + rows * cell_height_px),
+        _PAPER,
+    )
+    draw = ImageDraw.Draw(sheet)
+    font = ImageFont.load_default(size=12)
+    for index, (stimulus, picture) in enumerate(zip(stimuli.stimuli, thumbnails, strict=True)):
+        row, column = divmod(index, columns)
+        x = _MARGIN_PX + column * (thumbnail_px + _MARGIN_PX)
+        y = _MARGIN_PX + row * cell_height_px
+        sheet.paste(picture, (x, y))
+        draw.text((x, y + picture.height + 2), caption(stimulus), font=font, fill=_INK)
+    return sheet
+
+
+def caption(stimulus: Stimulus) -> str:
+    """Return a stimulus' role, factors and answer in one line."""
+    answer = "no answer" if stimulus.answer is None else f"answer {stimulus.answer}"
+    factors = ", ".join(str(value) for value in stimulus.factors.values())
+    return f"{stimulus.role}: {factors}; {answer}"
+
+
+def write_contact_sheet(path: Path, stimuli: StimulusSet, columns: int, thumbnail_px: int) -> None:
+    """Draw all images of a set and write them as one PNG or JPEG."""
+    write_picture(path, draw_contact_sheet(stimuli, columns=columns, thumbnail_px=thumbnail_px))
+
+
+def _thumbnail(path: Path, width_px: int) -> Image.Image:
+    try:
+        with Image.open(path) as picture:
+            size_px = (width_px, max(1, round(picture.height * width_px / picture.width)))
+            small: Image.Image = picture.convert("RGB").resize(size_px, Image.Resampling.LANCZOS)
+            return small
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read") from error
