@@ -2,7 +2,6 @@
 
 import hashlib
 import tomllib
-from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -145,7 +144,7 @@ class Study(_Part):
     stopping: Stopping
     exclusion: Exclusion = Exclusion()
 
-    @cached_property
+    @property
     def digest(self) -> str:
         """The SHA-256 of everything the study says, whatever the layout of its file."""
         return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
