@@ -69,11 +69,11 @@ def demo(
             _simulate_missing(url, participants, study, stimulus_set, store, seed)
             _say("3. report", "hit rates, thresholds, salience, times")
             analysis.cli.analyse(str(data), folder / "report", simulated=True)
-            for who, link in web.links(url, study, store).items():
-                _say(who, link)
             if serve:
-                _say("serving", "take the study yourself; Ctrl-C ends")
-                _say("then", f"trompe analyse {data} {folder / 'my-report'}")
+                for who, link in web.links(url, study, store).items():
+                    _say(who, link)
+                _say("serving", "take the study yourself; Ctrl-C ends. Then see your own answers:")
+                _say("", f"trompe analyse {data} {folder / 'my-report'}")
                 threading.Event().wait()
 
 
