@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy import optimize, stats
+from scipy.special import ndtr, ndtri
 
 from algorithms.errors import InputError
 from analysis.over_participants import participant_interval
@@ -13,8 +14,7 @@ ANSWERS = 6
 
 
 def rates(threshold: float, width: float, lapse_rate: float) -> NDArray[np.float64]:
-    deviation = width / (stats.norm.ppf(0.95) - stats.norm.ppf(0.05))
-    normal = stats.norm.cdf(LEVELS, threshold, deviation)
+    normal = ndtr((LEVELS - threshold) * 2 * ndtri(0.95) / width)
     return np.asarray(GUESS_RATE + (1 - GUESS_RATE - lapse_rate) * normal)
 
 
@@ -30,9 +30,11 @@ def fit(correct: NDArray[np.int64]) -> ThresholdFit:
 
 
 def most_likely_threshold(correct: NDArray[np.int64]) -> float:
+    hits, answers = correct.sum(axis=0), ANSWERS * len(correct)
+
     def cost(parameters: NDArray[np.float64]) -> float:
-        hits, answers = correct.sum(axis=0), ANSWERS * len(correct)
-        return -float(np.sum(stats.binom.logpmf(hits, answers, rates(*parameters))))
+        rate = rates(*parameters)
+        return -float(hits @ np.log(rate) + (answers - hits) @ np.log(1 - rate))
 
     bounds = ((0, 100), (5, 200), (1e-3, 0.4))
     return float(optimize.minimize(cost, (35, 30, 0.03), method="L-BFGS-B", bounds=bounds).x[0])

@@ -18,15 +18,21 @@ from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.analysis.answers import fill_store, responses_of, rows_of, sessions_of
 
-Make = Callable[..., StudyAnalysis]
+
+@pytest.fixture(scope="module")
+def one_condition(study: Study) -> Study:
+    """The study split by placement alone: a third of the fits."""
+    part = study.stimuli.model_copy(update={"conditions": ("placement",)})
+    return Study.model_validate(study.model_dump() | {"stimuli": part.model_dump()})
 
 
-@pytest.fixture
-def make(study: Study, drawn_set: StimulusSet) -> Make:
-    def analysis_of(rows: pd.DataFrame) -> StudyAnalysis:
-        return analyse_study(study, drawn_set, sessions_of(rows), responses_of(rows), seed=1)
+@pytest.fixture(scope="module")
+def analysis(one_condition: Study, drawn_set: StimulusSet) -> StudyAnalysis:
+    return analysis_of(rows_of(one_condition, drawn_set, 3, seed=1), one_condition, drawn_set)
 
-    return analysis_of
+
+def analysis_of(rows: pd.DataFrame, study: Study, stimuli: StimulusSet) -> StudyAnalysis:
+    return analyse_study(study, stimuli, sessions_of(rows), responses_of(rows), seed=1)
 
 
 def figures_of(page: str) -> list[str]:
@@ -106,14 +112,12 @@ def test_page_states_where_it_comes_from(
         assert text in page
 
 
-def test_same_answers_same_bytes(
-    make: Make, study: Study, drawn_set: StimulusSet, tmp_path: Path
-) -> None:
-    rows = rows_of(study, drawn_set, 4, seed=3)
-    for name in ("first", "second"):
-        write_report(make(rows), tmp_path / name)
-    for path in sorted((tmp_path / "first").rglob("*.*")):
-        other = tmp_path / "second" / path.relative_to(tmp_path / "first")
+def test_same_store_same_bytes(folders: dict[str, Path], tmp_path: Path) -> None:
+    analyse(folders["simulated"].parent / "responses.sqlite", tmp_path, who="simulated")
+    paths = [path for path in sorted(folders["simulated"].rglob("*")) if path.is_file()]
+    assert {path.suffix for path in paths} == {".csv", ".html", ".json", ".png", ".svg"}
+    for path in paths:
+        other = tmp_path / path.relative_to(folders["simulated"])
         assert path.read_bytes() == other.read_bytes(), path
 
 
@@ -156,16 +160,15 @@ def _unchanged(rows: pd.DataFrame, _: StimulusSet) -> pd.DataFrame:
     ],
 )
 def test_report_of_odd_data(
-    make: Make,
-    study: Study,
+    one_condition: Study,
     drawn_set: StimulusSet,
     tmp_path: Path,
     change: Callable[[pd.DataFrame, StimulusSet], pd.DataFrame],
     participants: int,
     expected: str,
 ) -> None:
-    rows = change(rows_of(study, drawn_set, participants, seed=6), drawn_set)
-    analysis = make(rows)
+    rows = change(rows_of(one_condition, drawn_set, participants, seed=6), drawn_set)
+    analysis = analysis_of(rows, one_condition, drawn_set)
     page = write_report(analysis, tmp_path).read_text()
     assert re.search(expected, page)
     assert ("<h2>Salience</h2>" in page) == (analysis.salience is not None)
@@ -174,8 +177,7 @@ def test_report_of_odd_data(
     assert len(figures_of(page)) == len(list((tmp_path / "figures").glob("*.svg")))
 
 
-def test_every_table_carries_the_flag(make: Make, study: Study, drawn_set: StimulusSet) -> None:
-    analysis = make(rows_of(study, drawn_set, 3, seed=1))
+def test_every_table_carries_the_flag(analysis: StudyAnalysis) -> None:
     people = replace(analysis, flow=replace(analysis.flow, who="people"))
     for name, table in study_tables(analysis).items():
         assert table["simulated"].all(), name
@@ -201,9 +203,7 @@ def test_refuses(study: Study, drawn_set: StimulusSet, tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
-def test_unwritable_folder_is_one_clear_line(
-    make: Make, study: Study, drawn_set: StimulusSet, tmp_path: Path
-) -> None:
+def test_unwritable_folder_is_one_clear_line(analysis: StudyAnalysis, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(InputError, match="not a folder that can be written to"):
-        write_report(make(rows_of(study, drawn_set, 2, seed=1)), tmp_path / "file")
+        write_report(analysis, tmp_path / "file")
