@@ -2,11 +2,12 @@
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from analysis.exclusions import Who
+if TYPE_CHECKING:
+    from analysis.exclusions import Who
 
 # The report's constant, repeated so that the command line starts without matplotlib and scipy.
 _DEFAULT_SEED = 1

@@ -4,11 +4,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Literal
-
-import pandas as pd
+from typing import TYPE_CHECKING, Any, Literal
 
 from experiments.trials import Answer, Phase
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# pandas takes a second to import: the functions that make a table do it.
 
 Input = Literal["mouse", "touch", "keyboard", "none"]
 Runner = Literal["web", "lab", "simulation"]
@@ -149,13 +152,15 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
-def responses_frame(responses: list[Response]) -> pd.DataFrame:
+def responses_frame(responses: list[Response]) -> "pd.DataFrame":
     """Return one row a response, the columns in the order of `Response`."""
+    import pandas as pd
+
     columns = [field.name for field in fields(Response)]
     return pd.DataFrame([vars(response) for response in responses], columns=columns)
 
 
-def load_responses(path_or_url: str | Path, study: str | None = None) -> pd.DataFrame:
+def load_responses(path_or_url: str | Path, study: str | None = None) -> "pd.DataFrame":
     """Load all responses of a store, one row each.
 
     Parameters

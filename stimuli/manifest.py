@@ -5,9 +5,8 @@ import json
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path, PurePosixPath
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-import pandas as pd
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -20,6 +19,9 @@ from pydantic import (
 
 from algorithms.errors import InputError
 from algorithms.files import sha256_of, write_atomically
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 MANIFEST_NAME = "manifest.json"
 
@@ -159,8 +161,10 @@ class StimulusSet(BaseModel):
         """Return the stimuli of a role, in order."""
         return tuple(stimulus for stimulus in self.stimuli if stimulus.role == role)
 
-    def to_frame(self) -> pd.DataFrame:
+    def to_frame(self) -> "pd.DataFrame":
         """Return one row a stimulus: `stimulus`, `role`, `file`, `answer` and each factor."""
+        import pandas as pd  # takes a second: only where a table is wanted
+
         return pd.DataFrame(
             [
                 {
