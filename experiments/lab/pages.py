@@ -143,9 +143,7 @@ def _wait(window: LabWindow, name: str, parts: Sequence[Drawable], keys: Sequenc
     announced = False
     window.take_presses()
     while True:
-        for part in parts:
-            part.draw()
-        window.flip()
+        window.show(parts)
         if not announced:
             window.announce(name)
             announced = True

@@ -32,15 +32,14 @@ class Surround:
     question: Drawable
     track: Drawable
 
-    def draw(self, done: float) -> None:
-        """Draw the question and the progress, `done` from 0 to 1."""
-        self.question.draw()
-        self.track.draw()
+    def parts(self, done: float) -> tuple[Drawable, ...]:
+        """Prepare the question and the progress, `done` from 0 to 1, for drawing."""
         bar = _progress_area(self.window)
         width_px = round(done * bar.width_px)
-        if width_px:
-            area = Area(bar.left_px, bar.top_px, width_px, bar.height_px)
-            self.window.bar(area, _DONE_RGB).draw()
+        if not width_px:
+            return self.question, self.track
+        area = Area(bar.left_px, bar.top_px, width_px, bar.height_px)
+        return self.question, self.track, self.window.bar(area, _DONE_RGB)
 
 
 def prepare_surround(window: LabWindow, question: str) -> Surround:
@@ -77,20 +76,17 @@ def present(
     -------
     The outcome, or None after Escape. Its times are exact to one frame.
     """
+    parts = (picture, *surround.parts(done))
     window.start_frames()
     requested_s = window.flip() + timing.blank_s
     while window.time_s() < requested_s - window.frame_s / 2:
         window.flip()
-    picture.draw()
-    surround.draw(done)
-    onset_s = window.flip()
+    onset_s = window.show(parts)
     if any(_is_escape(press) for press in window.take_presses()):
         return None  # all other presses before the onset are no answers
     window.announce(name)
     while True:
-        picture.draw()
-        surround.draw(done)
-        shown_s = window.flip()
+        shown_s = window.show(parts)
         for press in window.take_presses():
             if _is_escape(press):
                 return None

@@ -236,8 +236,7 @@ class _Run:
     def _show_loading(self, loaded: int, total: int) -> None:
         middle = (self.window.width_px / 2, self.window.height_px / 2)
         text = f"Loading images: {loaded} of {total}"
-        self.window.text(text, *middle, 0.03 * self.window.height_px).draw()
-        self.window.flip()
+        self.window.show([self.window.text(text, *middle, 0.03 * self.window.height_px)])
 
     def _present(self, trial: Trial, picture: Picture, surround: Surround) -> Outcome:
         """Present a trial, again after each pause."""

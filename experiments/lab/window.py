@@ -2,7 +2,7 @@
 
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any, Protocol
@@ -233,6 +233,12 @@ class LabWindow:
         shown_s = float(self._window.flip())
         self._next_frame_s = max(self._next_frame_s + self.frame_s, shown_s)
         return shown_s
+
+    def show(self, parts: Iterable[Drawable]) -> float:
+        """Draw the parts from back to front, show them and return the time of that."""
+        for part in parts:
+            part.draw()
+        return self.flip()
 
     def discard(self) -> None:
         """Forget what was drawn; the graphics card has its shaders and textures ready then."""
