@@ -8,7 +8,7 @@ import { Notice } from "./notice";
 import { beginSession, findSession, findStudy, leaveIfAsked } from "./opening";
 import { showInstructions } from "./pages/instructions";
 import { showLoading } from "./pages/loading";
-import { showConnecting, showProblem } from "./pages/problem";
+import { showProblem } from "./pages/problem";
 import { showResume } from "./pages/resume";
 import { showSending, showThanks } from "./pages/thanks";
 import { apiLoader, preload } from "./preload";
@@ -40,19 +40,17 @@ async function takePart(name: string): Promise<void> {
   const earlier = await findSession(root, name);
   const credentials = earlier?.credentials ?? (await beginSession(root, study));
   if (credentials !== null) {
-    await continueSession(study, credentials, earlier !== null);
+    await continueSession(study, credentials, earlier?.session ?? null);
   }
 }
 
+/** @param earlier - The session as a returning participant left it, or null for a new one. */
 async function continueSession(
   study: Study,
   credentials: Credentials,
-  returning: boolean,
+  earlier: Session | null,
 ): Promise<void> {
-  const session = await retry(
-    () => api.session(credentials),
-    () => showConnecting(root),
-  );
+  const session = earlier ?? (await retry(() => api.session(credentials)));
   if (session.completion_code !== null) {
     showThanks(root, session.completion_code);
     return;
@@ -60,7 +58,7 @@ async function continueSession(
   const recorder = await Recorder.open(credentials, notice);
   const answered = new Set([...session.answered, ...recorder.unsentTrials()]);
   const open = session.trials.filter((trial) => !answered.has(trial.index));
-  if (returning) {
+  if (earlier !== null) {
     recorder.event("resume", { answered: answered.size });
     await showResume(root, answered.size, session.trials.length);
   } else {

@@ -40,13 +40,12 @@ export function fitImage(
 /**
  * Find a place for each region's number: beside the region, over no region, inside the image.
  *
- * Where one direction suits all regions every number stands there, so that each is read as its
- * own object's and not as the neighbour's.
+ * All numbers stand on the same side of their objects, so that each is read as its own object's
+ * and not as the neighbour's; where an image is crowded, on the side where they cover least.
  *
  * @param size - The side of a number's square, in image pixels.
  * @param gap - Its distance from the region's box, in image pixels.
- * @returns The centre of each number in image pixels, by label. Where an image is too crowded,
- *   the place that covers least.
+ * @returns The centre of each number in image pixels, by label.
  */
 export function numberPlaces(regions: Regions, size: number, gap: number): Map<number, Point> {
   const boxes = [...regions.boxes()];
@@ -54,15 +53,10 @@ export function numberPlaces(regions: Regions, size: number, gap: number): Map<n
     x: (box.left + box.right) / 2 + right * ((box.right - box.left + size) / 2 + gap),
     y: (box.top + box.bottom) / 2 + down * ((box.bottom - box.top + size) / 2 + gap),
   });
-  const covered = (box: Box, direction: Direction) =>
-    regions.covered(squareAround(place(box, direction), size));
-  const common = DIRECTIONS.find((direction) => boxes.every(([, box]) => !covered(box, direction)));
-  return new Map(
-    boxes.map(([label, box]) => {
-      const direction = common ?? leastBy(DIRECTIONS, (each) => covered(box, each));
-      return [label, place(box, direction)];
-    }),
-  );
+  const covered = (direction: Direction) =>
+    sum(boxes.map(([, box]) => regions.covered(squareAround(place(box, direction), size))));
+  const best = leastBy(DIRECTIONS, covered);
+  return new Map(boxes.map(([label, box]) => [label, place(box, best)]));
 }
 
 interface Point {
@@ -91,6 +85,12 @@ function squareAround({ x, y }: Point, size: number): Box {
   return { left, top, right: left + Math.ceil(size), bottom: top + Math.ceil(size) };
 }
 
+/** The first item of those that measure least. */
 function leastBy<T>(items: readonly T[], measure: (item: T) => number): T {
-  return items.reduce((best, item) => (measure(item) < measure(best) ? item : best));
+  const measures = items.map(measure);
+  return items[measures.indexOf(Math.min(...measures))] as T;
+}
+
+function sum(numbers: number[]): number {
+  return numbers.reduce((total, number) => total + number, 0);
 }

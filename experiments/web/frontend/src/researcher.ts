@@ -20,9 +20,23 @@ const download = element(
   { class: "primary", type: "button" },
   message("researcher.download"),
 );
+const link = element(
+  "p",
+  { class: "hint" },
+  message("researcher.link", { link: `${location.origin}/s/${study}/` }),
+);
 const fault = element("p", { class: "fault", role: "alert" });
 const heading = element("h1", {}, message("researcher.title", { study }));
-const main = element("main", { class: "page researcher" }, heading, state, counts, download, fault);
+const main = element(
+  "main",
+  { class: "page researcher" },
+  heading,
+  state,
+  counts,
+  download,
+  fault,
+  link,
+);
 
 document.body.append(main);
 document.title = message("researcher.title", { study });
