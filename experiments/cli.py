@@ -179,7 +179,7 @@ def run_lab(
     artistic_background: Annotated[
         bool | None, typer.Option("--artistic-background/--no-artistic-background")
     ] = None,
-    folder: Annotated[Path, typer.Option(help="Where PsychoPy's own files go.")] = Path("psychopy"),
+    folder: Annotated[Path, typer.Option(help="Where PsychoPy's own files go.")] = Path("lab"),
     window: Annotated[
         tuple[int, int] | None, typer.Option(help="Width and height in px; else the full screen.")
     ] = None,
@@ -206,8 +206,15 @@ def run_lab(
             participant_number=participant_number,
             pilot=pilot,
             settings=WindowSettings(window is None, window, screen, monitor),
+            announce=typer.echo,
         )
-    typer.echo("no consent, nothing stored" if session is None else f"session {session.id}")
+    if session is None:
+        typer.echo("no consent, nothing stored")
+    else:
+        ended = (
+            "left early; the same command goes on" if session.completed_at is None else "completed"
+        )
+        typer.echo(f"session {session.id}: {ended}")
 
 
 def _verified(study: Study, folder: Path) -> StimulusSet:

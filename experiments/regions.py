@@ -1,37 +1,16 @@
-"""The clickable regions of a stimulus: reading them, numbering them, outlining one."""
+"""The clickable regions of a stimulus: numbering them, outlining one."""
 
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, UnidentifiedImageError
 from scipy import ndimage
-
-from algorithms.errors import InputError
 
 Regions = NDArray[np.uint8]
 """Label image `(height, width)`: 0 for the background, 1 and more for the objects."""
 
 Point = tuple[float, float]
-
-
-def load_regions(path: Path) -> Regions:
-    """Read a label image.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read or is not an 8-bit image of one channel.
-    """
-    try:
-        with Image.open(path) as image:
-            if image.mode not in ("L", "P"):
-                raise InputError(f"{path}: an 8-bit label image of one channel is accepted")
-            return np.array(image, dtype=np.uint8)
-    except (OSError, UnidentifiedImageError) as error:
-        raise InputError(f"{path}: not a label image that can be read") from error
 
 
 def numeral_places(regions: Regions, size_px: float, gap_px: float) -> dict[int, Point]:

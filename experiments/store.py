@@ -2,6 +2,7 @@
 
 import hashlib
 import hmac
+import re
 import secrets
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -20,6 +21,7 @@ from experiments.trials import Answer
 from stimuli.manifest import StimulusSet
 
 SCHEMA_VERSION = "1"
+_PARTICIPANT = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 
 # A repeated post is the same answer if it agrees in these.
 _IDENTITY = ("participant", "session", "trial_index", "stimuli", "answer")
@@ -166,7 +168,7 @@ class Store:
         token = secrets.token_urlsafe(24)
         with self._transaction() as connection:
             number = new.participant_number or _next_number(connection, study.name)
-            participant = new.participant or f"P{number:04d}"
+            participant = check_participant(new.participant or f"P{number:04d}")
             session = Session(
                 id=f"{study.name}.{participant}.1",
                 study=study.name,
@@ -306,6 +308,21 @@ class Store:
                 Event(row.session, row.kind, row.detail, row.recorded_at)
                 for row in connection.execute(query)
             ]
+
+
+def check_participant(participant: str) -> str:
+    """Return a participant's name if it can stand in ids and file names.
+
+    Raises
+    ------
+    InputError
+        If it has other characters than letters, digits, `_` and `-`, or more than 64.
+    """
+    if not _PARTICIPANT.fullmatch(participant):
+        raise InputError(
+            f"participant: {participant!r} given; up to 64 letters, digits, '_' and '-' accepted"
+        )
+    return participant
 
 
 def _next_number(connection: Connection, study: str) -> int:

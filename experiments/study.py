@@ -45,7 +45,7 @@ class Stimuli(_Part):
     level: str | None = None
     level_unit: str = ""
     conditions: tuple[str, ...] = ()
-    encoding: Literal["srgb", "linear"] = "srgb"
+    encoding: Literal["srgb"] = "srgb"
 
 
 class Design(_Part):
@@ -200,12 +200,6 @@ def check_stimuli(study: Study, stimuli: StimulusSet) -> None:
     """
     main, practice = stimuli.with_role("main"), stimuli.with_role("practice")
     _require(study.stimuli.set == stimuli.name, "stimuli.set", study.stimuli.set, stimuli.name)
-    _require(
-        study.stimuli.encoding == stimuli.encoding,
-        "stimuli.encoding",
-        study.stimuli.encoding,
-        stimuli.encoding,
-    )
     factors = sorted(main[0].factors) if main else []
     for key, names in (
         ("level", [study.stimuli.level] if study.stimuli.level else []),

@@ -92,7 +92,7 @@ class StimulusSet(BaseModel):
     exposure
         The factor from scene-referred to display-referred linear light, one for the whole set.
     encoding
-        How the images' values relate to light: `srgb` or `linear`.
+        How the images' values relate to light: `srgb`, as every runner shows them.
     objects
         The names of the regions' labels, for analysis; never shown to participants.
     files
@@ -113,7 +113,7 @@ class StimulusSet(BaseModel):
     engine: str
     versions: Mapping[str, str]
     exposure: float = Field(gt=0)
-    encoding: Literal["srgb", "linear"] = "srgb"
+    encoding: Literal["srgb"] = "srgb"
     objects: Mapping[int, str] = Field(default_factory=dict)
     details: Mapping[str, Any] = Field(default_factory=dict)
     files: Mapping[RelativePath, str]

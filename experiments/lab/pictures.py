@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from PIL import Image
 
-from algorithms.color import encode_srgb
 from algorithms.errors import InputError
+from algorithms.images import read_labels
 from experiments.lab.geometry import Area, Placement, fit
 from experiments.lab.inputs import KeyPress, Press
 from experiments.lab.window import Drawable, LabWindow
-from experiments.regions import Point, Regions, load_regions, numeral_places, outline
+from experiments.regions import Point, Regions, numeral_places, outline
 from stimuli.manifest import Stimulus, StimulusSet
 
 OUTLINE_RGB = (255, 214, 10)
@@ -94,7 +94,7 @@ def load_picture(
     image = shown_image(stimuli, stimulus)
     if stimulus.regions is None:
         raise InputError(f"stimuli: {stimulus.id} has no regions to choose from")
-    regions = load_regions(stimuli.path(stimulus.regions))
+    regions = read_labels(stimuli.path(stimulus.regions))
     if regions.shape != (image.height, image.width):
         raise InputError(f"stimuli: image and regions of {stimulus.id} differ in size")
     placement = fit(image.width, image.height, available)
@@ -124,8 +124,4 @@ def shown_image(stimuli: StimulusSet, stimulus: Stimulus) -> Image.Image:
             image: Image.Image = file.convert("RGB")
     except OSError as error:
         raise InputError(f"{path}: not an image that can be read") from error
-    if stimuli.encoding == "linear":
-        curve = np.round(encode_srgb(np.arange(256) / 255) * 255)
-        lookup = [int(value) for value in curve] * len(image.getbands())
-        image = image.point(lookup)
     return image

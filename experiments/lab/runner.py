@@ -1,6 +1,5 @@
 """Running a study in the lab: one participant, one PsychoPy window, the rows of every runner."""
 
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,12 +17,10 @@ from experiments.lab.presenter import Outcome, Surround, prepare_surround, prese
 from experiments.lab.psychopy_files import PsychoPyFiles
 from experiments.lab.window import LabWindow, WindowSettings
 from experiments.responses import Session
-from experiments.store import NewSession, Store
+from experiments.store import NewSession, Store, check_participant
 from experiments.study import Study, check_stimuli
 from experiments.trials import Answer, Assignment, Trial, next_trial, planned_trials
 from stimuli.manifest import StimulusSet
-
-_PARTICIPANT = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 
 
 def run_lab(
@@ -119,10 +116,7 @@ def unfinished_session(
     """
     if participant is None:
         return None
-    if not _PARTICIPANT.fullmatch(participant):
-        raise InputError(
-            f"participant: {participant!r} given; up to 64 letters, digits, '_' and '-' accepted"
-        )
+    check_participant(participant)
     sessions = store.sessions(study=study.name)
     session = next((each for each in sessions if each.participant == participant), None)
     if session is None:

@@ -1,15 +1,10 @@
 """Regions: reading, numbering and outlining them."""
 
-from pathlib import Path
-
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from PIL import Image
 
-from algorithms.errors import InputError
-from experiments.regions import load_regions, numeral_places, outline
+from experiments.regions import numeral_places, outline
 
 BOXES = st.tuples(*[st.integers(0, 39)] * 2, *[st.integers(1, 30)] * 2)
 
@@ -64,18 +59,3 @@ def test_an_outline_is_what_lies_within_its_thickness_of_the_region(
     squared = ((pixels[:, None, :] - members[None, :, :]) ** 2).sum(axis=2).min(axis=1)
     expected = (squared > 0) & (squared <= thickness_px**2)
     np.testing.assert_array_equal(outline(regions, label, thickness_px).ravel(), expected)
-
-
-def test_label_images_are_read_as_they_are_and_others_refused(tmp_path: Path) -> None:
-    regions = regions_of([(1, 2, 3, 4)])
-    Image.fromarray(regions).save(tmp_path / "regions.png")
-    np.testing.assert_array_equal(load_regions(tmp_path / "regions.png"), regions)
-    Image.fromarray(np.zeros((4, 4, 3), np.uint8)).save(tmp_path / "color.png")
-    (tmp_path / "text.png").write_text("no image")
-    for name, message in {
-        "color.png": "one channel",
-        "text.png": "can be read",
-        "missing.png": "can be read",
-    }.items():
-        with pytest.raises(InputError, match=message):
-            load_regions(tmp_path / name)

@@ -131,7 +131,6 @@ def test_the_template_overwrites_nothing_and_wants_a_name(tmp_path: Path) -> Non
         ("choices = 8", "choices = 7", "stimuli.choices"),
         ('level = "divergence_deg"', 'level = "divergence"', "stimuli.level"),
         ('"placement", "material"', '"placement", "colour"', "stimuli.conditions"),
-        ('encoding = "srgb"', 'encoding = "linear"', "stimuli.encoding"),
         ("trials = 3", "trials = 30", "practice.trials"),
     ],
 )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from experiments.regions import load_regions
+from algorithms.images import read_labels
 from experiments.study import Study
 from experiments.trials import Assignment, Trial, planned_trials
 from stimuli.manifest import StimulusSet
@@ -32,7 +32,7 @@ def few(tmp_path_factory: pytest.TempPathFactory) -> StimulusSet:
 @pytest.fixture(scope="session")
 def regions(few: StimulusSet) -> NDArray[np.uint8]:
     """The label image of all of them."""
-    return load_regions(few.path("regions.png"))
+    return read_labels(few.path("regions.png"))
 
 
 @pytest.fixture(scope="session")

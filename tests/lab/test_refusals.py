@@ -6,14 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-from PIL import Image
 
-from algorithms.color import encode_srgb
 from algorithms.errors import InputError, UnavailableError
 from experiments.lab.opening import open_window
-from experiments.lab.pictures import shown_image
 from experiments.lab.runner import run_lab, unfinished_session
 from experiments.lab.window import WindowSettings
 from experiments.store import NewSession, Store
@@ -121,15 +117,3 @@ def test_windows_that_cannot_be_are_refused(display: Display, sitting: Sitting) 
     told = [line for line in lines if not line.startswith("Xlib:")]  # the X client's own remarks
     for line, expected in zip(told, refused, strict=True):
         assert line.startswith(expected)
-
-
-def test_linear_images_are_encoded_for_the_window(few: StimulusSet) -> None:
-    """Against the sRGB curve of IEC 61966-2-1."""
-    linear = few.model_copy(update={"encoding": "linear"})
-    linear._folder = few.folder
-    stimulus = few.stimuli[0]
-    stored = np.array(Image.open(few.path(stimulus.file)))
-    np.testing.assert_array_equal(np.array(shown_image(few, stimulus)), stored)
-    np.testing.assert_array_equal(
-        np.array(shown_image(linear, stimulus)), np.round(encode_srgb(stored / 255) * 255)
-    )
