@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from importlib import metadata
 
 import numpy as np
+import pandas as pd
 
 CONFIDENCE = 0.95
 
@@ -56,13 +57,15 @@ def seed_of(generator: np.random.Generator) -> int | None:
 
 
 def to_json(result: object) -> str:
-    """Return a result as JSON; numbers that are not finite become null."""
+    """Return a result as JSON: tables by row, null for numbers that are not finite."""
     return json.dumps(_plain(result), indent=1, allow_nan=False)
 
 
 def _plain(value: object) -> object:
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {f.name: _plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
+    if isinstance(value, pd.DataFrame):
+        return _plain(value.to_dict("records"))
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | np.ndarray):

@@ -91,6 +91,9 @@ class StudyAnalysis:
             "level": self.study.stimuli.level,
             "level_unit": self.study.stimuli.level_unit,
             "thresholds": [{"group": group.label, **vars(group)} for group in self.thresholds],
+            "hit_rates": self.hits[-1],
+            "salience": self.salience,
+            "times": self.times,
             "seed": self.seed,
             "versions": self.versions,
         }

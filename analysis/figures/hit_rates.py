@@ -53,5 +53,6 @@ def hit_rate_figure(analysis: StudyAnalysis) -> Figure:
         axes.set_title(title)
         axes.set_xlabel(level_label(analysis.study))
     all_axes[0].set_ylabel("share of right answers")
-    all_axes[-1].legend(loc="lower right", bbox_to_anchor=(1.0, 0.15))
+    handles, labels = all_axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
     return figure

@@ -5,7 +5,14 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.figures.style import COLOURS, draw_chance, draw_points, level_label, new_figure
+from analysis.figures.style import (
+    COLOURS,
+    draw_chance,
+    draw_points,
+    legend_below,
+    level_label,
+    new_figure,
+)
 from analysis.study_analysis import StudyAnalysis
 from analysis.thresholds import ThresholdFit
 
@@ -35,7 +42,7 @@ def draw_psychometric(
     draw_points(axes, hits, ("level", "rate", "low", "high"), number)
     axes.set_ylim(-0.02, 1.02)
     if fit.reached != "within":
-        axes.plot([], [], " ", label=f"mid-point {fit.reached}\nthe levels tested")
+        axes.plot([], [], " ", label=f"mid-point\n{fit.reached} the levels tested")
         return axes
     levels = np.linspace(min(fit.levels), max(fit.levels), _CURVE_POINTS)
     axes.plot(levels, fit.rate(levels), color=colour, linewidth=1.4)
@@ -62,12 +69,12 @@ def psychometric_figure(analysis: StudyAnalysis) -> Figure:
         for group in analysis.thresholds
         if tuple(group.conditions) in ((), analysis.study.stimuli.conditions[:1])
     ]
-    figure, all_axes = new_figure(len(groups), analysis.simulated)
+    figure, all_axes = new_figure(len(groups), analysis.simulated, height=3.3)
     for number, (axes, group) in enumerate(zip(all_axes, groups, strict=True)):
         hits = analysis.hits_of(group)
         draw_psychometric(axes, group.fit, hits, analysis.study.stimuli.level_unit, number)
         axes.set_title(group.label)
         axes.set_xlabel(level_label(analysis.study))
-        axes.legend(loc="lower right", bbox_to_anchor=(1.02, 0.16), handlelength=0.9)
+        legend_below(axes, columns=1)
     all_axes[0].set_ylabel("share of right answers")
     return figure

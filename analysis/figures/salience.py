@@ -9,6 +9,7 @@ from analysis.figures.style import (
     COLOURS,
     draw_chance,
     draw_points,
+    legend_below,
     level_label,
     new_figure,
     split_by,
@@ -61,7 +62,7 @@ def salience_figure(analysis: StudyAnalysis, salience: Salience) -> Figure:
     choices = salience.choices
     if split is not None:
         choices = choices[choices[split].notna()]
-    figure, (left, right) = new_figure(2, analysis.simulated, share_y=False)
+    figure, (left, right) = new_figure(2, analysis.simulated, height=3.3, share_y=False)
     draw_choices(left, choices, split, salience.chance)
     left.set_title("Choices where no object differs")
     left.set_xlabel("object")
@@ -71,7 +72,6 @@ def salience_figure(analysis: StudyAnalysis, salience: Salience) -> Figure:
     right.set_ylabel("share")
     right.set_xlabel(level_label(analysis.study))
     for axes in (left, right):
-        if axes.get_legend_handles_labels()[0]:
-            axes.legend(loc="upper right")
+        legend_below(axes, columns=2)
         axes.set_ylim(bottom=0)
     return figure

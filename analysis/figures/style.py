@@ -8,6 +8,7 @@ import matplotlib as mpl
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import ScaledTranslation
 
 from experiments.study import Study
 
@@ -36,6 +37,7 @@ SETTINGS: dict[Any, Any] = {  # the key's type is a union of all parameter names
 }
 _PNG_DOTS_PER_INCH = 200
 _NARROWEST_PANEL = 1.8  # inches
+_LEGEND_DROP_INCHES = 0.47  # leaves room for the abscissa's numbers and label
 
 
 def new_figure(
@@ -131,6 +133,29 @@ def draw_points(
         capsize=0,
         label=label,
     )
+    return axes
+
+
+def legend_below(axes: Axes, columns: int) -> Axes:
+    """Put the legend under the abscissa's label, where no answer can lie; none if nothing is named.
+
+    Parameters
+    ----------
+    axes
+        A panel of a figure from `new_figure`, which makes room for it.
+    columns
+        How many entries stand side by side.
+    """
+    figure = axes.get_figure(root=True)
+    if figure is not None and axes.get_legend_handles_labels()[0]:
+        axes.legend(
+            loc="upper center",
+            bbox_to_anchor=(0.5, 0),
+            bbox_transform=axes.transAxes
+            + ScaledTranslation(0, -_LEGEND_DROP_INCHES, figure.dpi_scale_trans),
+            ncols=columns,
+            borderaxespad=0,
+        )
     return axes
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.figures.style import COLOURS, MARKERS, level_label, new_figure
+from analysis.figures.style import COLOURS, MARKERS, legend_below, level_label, new_figure
 from analysis.groups import GroupThreshold
 from analysis.study_analysis import StudyAnalysis
 
@@ -56,14 +56,14 @@ def draw_chance_limits(axes: Axes, groups: Sequence[GroupThreshold]) -> Axes:
 def threshold_figure(analysis: StudyAnalysis) -> Figure:
     """Return both kinds of threshold of all groups, each kind in a panel of its own."""
     groups = analysis.thresholds
-    figure, (left, right) = new_figure(2, analysis.simulated, height=1.6 + 0.26 * len(groups))
+    figure, (left, right) = new_figure(2, analysis.simulated, height=1.8 + 0.26 * len(groups))
     draw_mid_points(left, groups).set_title("Mid-point of the function")
     draw_chance_limits(right, groups).set_title("Largest level at chance")
     levels = np.array(analysis.overall.fit.levels)
     for axes in (left, right):
         axes.set_xlim(min(0.0, levels.min()), levels.max() + 2)
         axes.set_xlabel(level_label(analysis.study))
-        axes.legend(loc="upper right")
+        legend_below(axes, columns=2)
     left.set_yticks(range(len(groups)), [group.label for group in groups])
     left.set_ylim(len(groups) - 0.5, -0.5)
     return figure

@@ -3,7 +3,14 @@
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.figures.style import COLOURS, draw_points, level_label, new_figure, split_by
+from analysis.figures.style import (
+    COLOURS,
+    draw_points,
+    legend_below,
+    level_label,
+    new_figure,
+    split_by,
+)
 from analysis.study_analysis import StudyAnalysis
 from analysis.times import AnswerTimes
 
@@ -24,5 +31,5 @@ def times_figure(analysis: StudyAnalysis, times: AnswerTimes) -> Figure:
     figure, (axes,) = new_figure(1, analysis.simulated, width=5.0)
     draw_times(axes, times)
     axes.set_xlabel(level_label(analysis.study))
-    axes.legend(loc="upper right")
+    legend_below(axes, columns=3)
     return figure

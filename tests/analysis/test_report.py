@@ -102,6 +102,9 @@ def test_results_agree_with_the_tables(folders: dict[str, Path]) -> None:
         value = one["fit"]["threshold"]["value"]
         assert value == pytest.approx(row["threshold"]) or value is None
     assert results["verdict"][0].startswith("Simulated observers, not people, notice")
+    hits = pd.read_csv(folders["simulated"] / "tables" / "hit-rates.csv")
+    rows = pd.DataFrame(results["hit_rates"]["table"])
+    pd.testing.assert_frame_equal(rows, hits.drop(columns="simulated"))
 
 
 def test_page_states_where_it_comes_from(
