@@ -128,7 +128,9 @@ def read_channels(path: str | Path, max_pixels: int = MAX_PIXELS) -> NDArray[np.
         _check_size(path, width_px, height_px, max_pixels)
         with OpenEXR.File(str(path), separate_channels=True) as file:
             pixels = {name: channel.pixels for name, channel in file.channels().items()}
-    except RuntimeError as error:
+    except InputError:
+        raise
+    except (RuntimeError, ValueError) as error:
         raise InputError(f"{path}: not a readable OpenEXR file") from error
     names = ("R", "G", "B") if {"R", "G", "B"} <= pixels.keys() else tuple(pixels)[:1]
     if len(names) == 1 and len(pixels) > 1:
@@ -185,12 +187,12 @@ def _check_size(path: Path, width_px: int, height_px: int, max_pixels: int) -> N
 
 def _opened(path: Path, max_pixels: int) -> Image.Image:
     try:
-        with warnings.catch_warnings():
+        with path.open("rb") as stream, warnings.catch_warnings():
             # Pillow's own limit warns or fails before ours can name the file.
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            picture = Image.open(path)
-        _check_size(path, *picture.size, max_pixels)
-        picture.load()
+            picture = Image.open(stream)
+            _check_size(path, *picture.size, max_pixels)
+            picture.load()
     except FileNotFoundError as error:
         raise InputError(f"{path}: no such file") from error
     except Image.DecompressionBombError as error:
