@@ -58,10 +58,9 @@ def build_bundle(root: Path) -> bool:
         shutil.copytree(root / FRONTEND, work, ignore=shutil.ignore_patterns(*_NO_SOURCES))
         _npm(work, "ci", "--omit=dev")
         _npm(work, "run", "build")
-        built = work.parent / "bundle"
-        (built / STAMP).write_text(digest, encoding="utf-8")
         shutil.rmtree(root / BUNDLE, ignore_errors=True)
-        shutil.copytree(built, root / BUNDLE)
+        shutil.copytree(work.parent / "bundle", root / BUNDLE)
+    stamp.write_text(digest, encoding="utf-8")  # last: what was interrupted is built again
     return True
 
 

@@ -6,7 +6,7 @@ import { element } from "./dom";
 import { message } from "./messages";
 import { Notice } from "./notice";
 import { beginSession, findSession, findStudy, leaveIfAsked } from "./opening";
-import { showInstructions } from "./pages/instructions";
+import { type Example, showInstructions } from "./pages/instructions";
 import { showLoading } from "./pages/loading";
 import { showProblem } from "./pages/problem";
 import { showResume } from "./pages/resume";
@@ -70,12 +70,16 @@ async function continueSession(
 }
 
 async function instruct(study: Study, session: Session): Promise<void> {
-  const example =
-    study.example === null
-      ? null
-      : (await preload([{ index: 0, ...study.example }], apiLoader(null))).get(0);
   const practice = session.trials.some((trial) => trial.phase === "practice");
-  await showInstructions(root, study, example ?? null, practice);
+  await showInstructions(root, study, await loadExample(study), practice);
+}
+
+async function loadExample({ example }: Study): Promise<Example | null> {
+  if (example === null) {
+    return null;
+  }
+  const stimulus = (await preload([{ index: 0, ...example }], apiLoader(null))).get(0);
+  return stimulus === undefined ? null : { stimulus, answer: example.answer };
 }
 
 async function runTrials(

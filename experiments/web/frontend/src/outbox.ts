@@ -1,6 +1,6 @@
 /** The queue of posts: each is kept first, then sent on its own until the server acknowledges it. */
 
-import { retry } from "./retry";
+import { ApiError, retry } from "./retry";
 import type { Post, PostStore } from "./storage";
 
 /** What became of a post that was added. */
@@ -26,9 +26,17 @@ interface Entry {
 }
 
 /**
+ * Tell whether the server does not know the post's session: another server that used this address
+ * before may, so the post stays in the store and is tried again with the next page.
+ */
+function isUnknownHere(error: unknown): boolean {
+  return error instanceof ApiError && (error.status === 401 || error.status === 404);
+}
+
+/**
  * Sends posts one after another, oldest first.
  *
- * A post leaves the store only when the server has acknowledged or refused it. A post that the
+ * A post leaves the store only when its server has acknowledged or refused it. A post that the
  * server already has must be harmless to send again: the page may be closed between the server's
  * acknowledgement and the removal here.
  */
@@ -99,15 +107,22 @@ export class Outbox {
   }
 
   private async sendOne({ post, resolve, reject }: Entry): Promise<void> {
-    const onFailure = () => this.setWaiting(true);
-    const sent = retry(() => this.send(post), onFailure);
-    await sent.catch(() => {});
-    await this.forget(post);
-    this.setWaiting(false);
-    await sent.then(resolve, (error: unknown) => {
+    try {
+      const reply = await retry(
+        () => this.send(post),
+        () => this.setWaiting(true),
+      );
+      await this.forget(post);
+      this.setWaiting(false);
+      resolve(reply);
+    } catch (error) {
+      if (!isUnknownHere(error)) {
+        await this.forget(post);
+      }
+      this.setWaiting(false);
       this.listener.onRefused?.(post, error);
       reject(error);
-    });
+    }
   }
 
   private async forget(post: Post): Promise<void> {

@@ -5,42 +5,63 @@ import { element, pressed, showPage } from "../dom";
 import { message } from "../messages";
 import { Stage, type Stimulus } from "../stage";
 
-/** Show the instructions; resolves when the participant begins. */
+/** The example as it is shown: a decoded stimulus and its right answer. */
+export interface Example {
+  stimulus: Stimulus;
+  answer: number;
+}
+
+/**
+ * Show the instructions; resolves when the participant begins.
+ *
+ * @param practice - Whether practice trials come first.
+ */
 export async function showInstructions(
   root: HTMLElement,
   study: Study,
-  example: Stimulus | null,
+  example: Example | null,
   practice: boolean,
 ): Promise<void> {
   const label = message(practice ? "instructions.begin_practice" : "instructions.begin");
   const begin = element("button", { class: "primary", type: "button" }, label);
-  const stage = example === null ? null : new Stage(example, study.choices);
-  const answer = study.example?.answer ?? 0;
-  const figure =
-    stage === null
-      ? []
-      : [
-          element(
-            "figure",
-            {},
-            stage.area,
-            element("figcaption", {}, message("instructions.example", { answer })),
-          ),
-        ];
+  const figure = example === null ? null : new ExampleFigure(example, study.choices);
   showPage(
     root,
     message("instructions.title"),
     ...study.instructions.map((text) => element("p", {}, text)),
     element("p", { class: "asked" }, study.question),
-    ...figure,
+    ...(figure === null ? [] : [figure.view]),
     begin,
   );
-  if (stage !== null && example !== null) {
-    stage.area.style.aspectRatio = `${example.regions.width_px} / ${example.regions.height_px}`;
-    stage.area.style.maxWidth = `${example.regions.width_px}px`;
-    stage.place();
-    stage.outline(answer);
-  }
+  figure?.show();
   await pressed(begin);
-  stage?.dispose();
+  figure?.dispose();
+}
+
+/** The example with its outline and caption. */
+class ExampleFigure {
+  readonly view: HTMLElement;
+  private readonly stage: Stage;
+
+  constructor(
+    private readonly example: Example,
+    choices: number,
+  ) {
+    const { width_px, height_px } = example.stimulus.regions;
+    const caption = message("instructions.example", { answer: example.answer });
+    this.stage = new Stage(example.stimulus, choices);
+    this.stage.area.style.aspectRatio = `${width_px} / ${height_px}`;
+    this.stage.area.style.maxWidth = `${width_px}px`;
+    this.view = element("figure", {}, this.stage.area, element("figcaption", {}, caption));
+  }
+
+  /** Put the picture in its place; call it once the figure is on the page. */
+  show(): void {
+    this.stage.place();
+    this.stage.outline(this.example.answer);
+  }
+
+  dispose(): void {
+    this.stage.dispose();
+  }
 }
