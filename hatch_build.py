@@ -23,6 +23,8 @@ _BRIEF_RETRIES = {
     "npm_config_fetch_retry_mintimeout": "1000",
     "npm_config_fetch_retry_maxtimeout": "4000",
 }
+# Behind a proxy with a certificate of its own only the system's certificates are right.
+_SYSTEM_TRUST = {"NODE_USE_SYSTEM_CA": "1"}
 
 
 class FrontendBuildHook(BuildHookInterface[Any]):
@@ -78,7 +80,7 @@ def sources_digest(frontend: Path) -> str:
 def _npm(folder: Path, *arguments: str) -> None:
     # npm's scripts call `node` by name: ours goes first.
     path = f"{_NODE}{os.pathsep}{os.environ.get('PATH', '')}"
-    environment = {**os.environ, **_BRIEF_RETRIES, "PATH": path}
+    environment = {**_SYSTEM_TRUST, **os.environ, **_BRIEF_RETRIES, "PATH": path}
     command = [str(_NODE / "node"), str(_NODE.parent / "lib/node_modules/npm/bin/npm-cli.js")]
     done = subprocess.run(
         [*command, *arguments],

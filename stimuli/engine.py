@@ -116,7 +116,7 @@ def _llvm_status() -> EngineStatus:
 
 
 def _scalar_status() -> EngineStatus:
-    return EngineStatus("scalar", True, "always there, several times slower", "")
+    return EngineStatus("scalar", True, "always there, one core a ray at a time", "")
 
 
 _STATUS: Final[dict[Engine, Callable[[], EngineStatus]]] = {

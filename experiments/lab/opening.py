@@ -43,7 +43,7 @@ def _told_in_one_line() -> Iterator[None]:
         yield
     except ImportError as error:
         raise UnavailableError(
-            f"the lab runner needs PsychoPy ({error}): pip install 'trompe[lab]'"
+            f"the lab runner needs PsychoPy ({error}): pip install psychopy"
         ) from error
     except Exception as error:
         # pyglet has an exception of its own for each thing that a display may lack.

@@ -40,6 +40,6 @@ def _page(path: Path) -> FileResponse:
     if not path.is_file():
         raise ApiError(
             503,
-            "the front end is not built; run `npm ci && npm run build` in experiments/web/frontend",
+            "the front end is not built; run `pip install --editable .` in the repository",
         )
     return FileResponse(path, media_type="text/html")

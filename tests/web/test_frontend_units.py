@@ -22,7 +22,11 @@ def _npm(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [node / "bin" / "node", node / "lib/node_modules/npm/bin/npm-cli.js", *arguments],
         cwd=FRONTEND,
-        env={**os.environ, "PATH": f"{node / 'bin'}{os.pathsep}{os.environ['PATH']}"},
+        env={
+            "NODE_USE_SYSTEM_CA": "1",
+            **os.environ,
+            "PATH": f"{node / 'bin'}{os.pathsep}{os.environ['PATH']}",
+        },
         capture_output=True,
         text=True,
         check=False,
