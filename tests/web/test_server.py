@@ -159,7 +159,7 @@ def test_without_a_front_end_pages_say_how_to_build_it_and_the_interface_works(
         for path in (f"/s/{STUDY}/", f"/researcher/{STUDY}/"):
             reply = client.get(path)
             assert reply.status_code == 503
-            assert "npm run build" in reply.json()["error"]["message"]
+            assert "pip install --editable ." in reply.json()["error"]["message"]
         assert Visitor(client).begin().answer(0).status_code == 200
 
 
