@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from algorithms.light import Light
 from stimuli.scene import Value
 
-SHADOW_SPACING: Final = 4.0
-"""In the scene for shadows the objects stand this many radii apart, out of each other's reach."""
+# A ray cannot leave an object of radius 1 and meet it again farther away than its diameter.
+_SHADOW_REACH: Final = 2.1
 
-# A ray cannot leave an object of radius 1 and meet it again farther away than this.
-_SHADOW_REACH: Final = 2.5
+SHADOW_SPACING: Final = 2 + 1.5 * _SHADOW_REACH
+"""In the scene for shadows the objects' centres stand this many radii apart: from the rim of one,
+no shadow ray reaches the rim of the next."""
 
 
 def linked_integrator_class() -> Value:

@@ -1,0 +1,67 @@
+"""What the tests of the stimuli share: engines, a rendered set, and a way to render one quickly."""
+
+from collections.abc import Callable
+from functools import partial, partialmethod
+
+import numpy as np
+import pytest
+
+from stimuli import arrangement
+from stimuli.engine import Engine, choose_engine, engine_report
+from stimuli.manifest import StimulusSet
+from stimuli.render import Renderer, make_renderer
+from stimuli.rigs import AMBIENT
+from stimuli.scene import View
+from stimuli.sets import divergence
+from stimuli.shapes import AbstractShape
+from tests.conftest import require
+
+QUICK_SEED = 2011
+
+
+@pytest.fixture
+def llvm() -> Engine:
+    """The engine of the light-linked integrator."""
+    works = {status.name: status.works for status in engine_report()}
+    require(works["llvm"], "needs a libLLVM (apt install libllvm19)")
+    return choose_engine("llvm")
+
+
+@pytest.fixture(params=["llvm", "scalar"])
+def engine(request: pytest.FixtureRequest) -> Engine:
+    """Every engine of the processor in turn."""
+    if request.param == "llvm":
+        request.getfixturevalue("llvm")
+    return choose_engine(request.param)
+
+
+@pytest.fixture(scope="session")
+def quick_set(tmp_path_factory: pytest.TempPathFactory) -> StimulusSet:
+    """The quick set of experiment 1, rendered by the fastest engine."""
+    return divergence.make(tmp_path_factory.mktemp("quick"), seed=QUICK_SEED, quick=True)
+
+
+@pytest.fixture(scope="session")
+def _main_renderer() -> Renderer:
+    choose_engine()
+    generator = np.random.default_rng([QUICK_SEED, 1])
+    return make_renderer(arrangement.place_objects(divergence.MAIN_ORDER, generator), AMBIENT)
+
+
+@pytest.fixture
+def main_renderer(_main_renderer: Renderer) -> Renderer:
+    """The renderer of the quick set's main scene, with its engine set."""
+    choose_engine()
+    return _main_renderer
+
+
+@pytest.fixture
+def make_tiny(monkeypatch: pytest.MonkeyPatch) -> Callable[..., StimulusSet]:
+    """Make the quick set with the real code, from coarse meshes in tiny images."""
+    monkeypatch.setattr(arrangement, "_texture_size", lambda _: (8, 16))
+    monkeypatch.setattr(AbstractShape, "mesh", partialmethod(AbstractShape.mesh, 24, 48))
+    view = View(width_px=64, height_px=38, radius_px=6.5, samples=4)
+    for name in ("QUICK", "FULL", "COARSE"):
+        monkeypatch.setattr(divergence, name, view)
+
+    return partial(divergence.make, seed=5, quick=True)
