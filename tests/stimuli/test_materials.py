@@ -1,0 +1,82 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from stimuli.materials import TABLE_2_1, Material
+from stimuli.shapes import sphere_directions
+
+POINTS = sphere_directions(64, 128)
+
+
+def albedo_of(letter: str, seed: int = 1) -> np.ndarray:
+    """Return the albedo over longitude and latitude."""
+    return TABLE_2_1[letter].albedo_at(POINTS, np.random.default_rng(seed))
+
+
+def test_finishes_and_patterns_of_table_2_1() -> None:
+    # Published: Lopez-Moreno 2011, table 2.1.
+    assert {letter: (m.finish, m.pattern) for letter, m in TABLE_2_1.items()} == {
+        "a": ("diffuse", "plain"),
+        "b": ("diffuse", "perlin-high"),
+        "c": ("diffuse", "plain"),
+        "d": ("shiny", "checkerboard"),
+        "e": ("shiny", "checkerboard"),
+        "f": ("diffuse", "plain"),
+        "g": ("shiny", "perlin-low"),
+        "h": ("shiny", "plain"),
+    }
+
+
+@pytest.mark.parametrize("letter", TABLE_2_1)
+def test_albedo_is_physical_and_spans_its_range(letter: str) -> None:
+    low, high = TABLE_2_1[letter].albedo
+    albedo = albedo_of(letter)
+    assert 0 < low <= albedo.min()
+    assert albedo.max() <= high < 1
+    assert np.ptp(albedo) >= 0.7 * (high - low)
+
+
+@pytest.mark.parametrize("letter", TABLE_2_1)
+def test_albedo_has_no_seam(letter: str) -> None:
+    # Property: the first and the last column of a solid texture show the same points.
+    albedo = albedo_of(letter)
+    assert (albedo[:, 0] == albedo[:, -1]).all()
+    assert_allclose(albedo[[0, -1]], albedo[[0, -1], :1].repeat(albedo.shape[1], axis=1))
+
+
+def test_checkerboard_has_two_tones_in_equal_parts() -> None:
+    albedo = albedo_of("d")
+    assert set(np.unique(albedo)) == set(TABLE_2_1["d"].albedo)
+    # Rows near the poles are shorter.
+    area = np.linalg.norm(POINTS[..., [0, 2]], axis=-1)
+    assert_allclose(np.average(albedo == albedo.max(), weights=area), 0.5, atol=0.1)
+
+
+def test_neighbouring_tiles_differ() -> None:
+    # Definition: a step of a tile's width along the texture's own axis changes the tone.
+    board = Material("diffuse", "checkerboard", (0.0, 1.0))
+    line = np.linspace(0, 4, 4001)
+    tones = [
+        board.albedo_at(line[:, None] * axis, np.random.default_rng(1))
+        for axis in np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0].T
+    ]
+    for tone in tones:
+        borders = line[1:][np.diff(tone) != 0]
+        assert len(borders) > 5
+        assert_allclose(np.diff(borders), np.diff(borders).mean(), atol=0.003)
+
+
+def test_high_frequency_noise_is_finer_than_low() -> None:
+    # Property: per unit of contrast, the finer texture is steeper.
+    steepness = {}
+    for letter in "bg":
+        albedo = albedo_of(letter)
+        steepness[letter] = np.abs(np.diff(albedo, axis=0)).mean() / albedo.std()
+    assert steepness["b"] > 2 * steepness["g"]
+
+
+def test_objects_of_one_material_do_not_share_a_texture() -> None:
+    for letter in "bdg":
+        first, second = albedo_of(letter, seed=1), albedo_of(letter, seed=2)
+        assert abs(np.corrcoef(first.ravel(), second.ravel())[0, 1]) < 0.5
+        assert (albedo_of(letter, seed=1) == first).all()
