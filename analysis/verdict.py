@@ -69,7 +69,17 @@ def _mid_point(who: str, name: str, unit: str, group: GroupThreshold) -> str:
     return (
         f"{who} notice a {name} of {in_levels(fit.threshold, unit)} half of the time beyond"
         f" chance: there {100 * fit.correct_at_threshold:.0f} % of the answers are right, where"
-        f" guessing gives {100 * fit.guess_rate:.1f} %."
+        f" guessing gives {100 * fit.guess_rate:.1f} %.{_over_participants(group, unit)}"
+    )
+
+
+def _over_participants(group: GroupThreshold, unit: str) -> str:
+    wide = group.over_participants
+    if not math.isfinite(wide.low):
+        return ""
+    return (
+        f" The interval that allows for differences between participants is {wide.low:.1f} to"
+        f" {wide.high:.1f} {unit}."
     )
 
 

@@ -5,14 +5,15 @@
 
 A repetition simulates participants with one known threshold, fits each placement, and asks whether
 the 95 % interval holds the threshold. A second run gives one object more salience and reports
-what that does. `--grids` compares the grid of the fit with psignifit's own, finer one.
+what that does; a third draws participants whose thresholds differ, which the credible interval
+does not know of and the interval over participants does. `--grids` compares the grid of the fit
+with psignifit's own, finer one.
 """
 
 import argparse
-import json
 import tempfile
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -21,12 +22,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from analysis.bootstrap import sum_by_participant
-from analysis.estimates import Estimate
+from analysis.bootstrap import Matrix, sum_by_participant
+from analysis.estimates import Estimate, to_json
 from analysis.over_participants import participant_interval
 from analysis.thresholds import GRID_STEPS, fit_threshold
 from analysis.trials import trial_table
-from experiments.observers import Observer, simulate_responses
+from experiments.observers import Observer, psychometric_function, simulate_responses
 from experiments.study import load_study
 from stimuli.manifest import StimulusSet, load
 from tests.drawn_set import draw_set
@@ -36,6 +37,9 @@ WIDTH_DEG = 30.0
 LAPSE_RATE = 0.02
 SEED = 2010
 SALIENT_LABEL, SALIENT_WEIGHT = 5, 4.0
+SPREAD_DEG = 8.0  # the standard deviation of thresholds where participants differ
+ANSWERS_PER_LEVEL = 6  # of a participant: 3 placements, 2 materials
+LEVELS_DEG = np.arange(10.0, 91.0, 10.0)
 DEFAULT_GRID_STEPS = {"threshold": 40, "width": 40, "lambda": 20, "eta": 20}
 
 
@@ -73,10 +77,26 @@ def recover(
     for placement, trials in table.groupby("placement", observed=True):
         sums = sum_by_participant(trials, "correct", ["level"])
         levels = sums.cells["level"].to_numpy()
-        fit = fit_threshold(levels, sums.totals.sum(axis=0), sums.counts.sum(axis=0), 1 / 8)
-        wide = participant_interval(fit, sums.totals, sums.counts)
-        found.append(Recovered(str(placement), fit.threshold, wide))
+        found.append(_fitted(str(placement), levels, sums.totals, sums.counts))
     return found
+
+
+def recover_from_differing(participants: int, repetition: int) -> list[Recovered]:
+    """Draw answers of participants whose thresholds are normally distributed, and fit them all.
+
+    The mean of their functions has its mid-point at the mean threshold, since it is a cumulative
+    normal too.
+    """
+    generator = np.random.default_rng([SEED, repetition])
+    thresholds = generator.normal(THRESHOLD_DEG, SPREAD_DEG, size=(participants, 1))
+    rates = psychometric_function(LEVELS_DEG, thresholds, WIDTH_DEG, 1 / 8, LAPSE_RATE)
+    correct = generator.binomial(ANSWERS_PER_LEVEL, rates).astype(float)
+    return [_fitted("all", LEVELS_DEG, correct, np.full_like(correct, ANSWERS_PER_LEVEL))]
+
+
+def _fitted(placement: str, levels: Matrix, correct: Matrix, total: Matrix) -> Recovered:
+    fit = fit_threshold(levels, correct.sum(axis=0), total.sum(axis=0), 1 / 8)
+    return Recovered(placement, fit.threshold, participant_interval(fit, correct, total))
 
 
 def summary(found: Iterable[Recovered]) -> dict[str, dict[str, float]]:
@@ -114,20 +134,25 @@ def summary(found: Iterable[Recovered]) -> dict[str, dict[str, float]]:
 
 def run(repetitions: int, participants: int, processes: int) -> dict[str, object]:
     """Run all repetitions without and with a salient object."""
-    cases = {"unbiased": None, "salient object": {SALIENT_LABEL: SALIENT_WEIGHT}}
     result: dict[str, object] = {
         "threshold_deg": THRESHOLD_DEG,
         "width_deg": WIDTH_DEG,
         "lapse_rate": LAPSE_RATE,
         "participants": participants,
         "salience": {"label": SALIENT_LABEL, "weight": SALIENT_WEIGHT},
+        "spread_of_differing_thresholds_deg": SPREAD_DEG,
         "seed": SEED,
     }
     with tempfile.TemporaryDirectory() as name, ProcessPoolExecutor(processes) as pool:
         folder = Path(name)
         draw_set(folder)
-        for case, salience in cases.items():
-            once = partial(recover, folder, participants, salience)
+        salient = {SALIENT_LABEL: SALIENT_WEIGHT}
+        cases: dict[str, Callable[[int], list[Recovered]]] = {
+            "unbiased": partial(recover, folder, participants, None),
+            "salient object": partial(recover, folder, participants, salient),
+            "differing participants": partial(recover_from_differing, participants),
+        }
+        for case, once in cases.items():
             started = time.perf_counter()
             found = [one for some in pool.map(once, range(repetitions)) for one in some]
             result[case] = summary(found)
@@ -176,7 +201,7 @@ def main() -> None:
         result = compare_grids(given.repetitions, given.participants)
     else:
         result = run(given.repetitions, given.participants, given.processes)
-    print(json.dumps(result, indent=1))
+    print(to_json(result))
 
 
 if __name__ == "__main__":
