@@ -82,7 +82,8 @@ def linked_integrator_class() -> Value:
                 0,
             )
             shadow_ray.maxt = _SHADOW_REACH
-            blocked = self.shadow_scene.ray_test(shadow_ray, active)
+            facing = active & dr.any(reflectance > 0)  # else there is nothing to be blocked
+            blocked = self.shadow_scene.ray_test(shadow_ray, facing)
             return dr.select(blocked, 0, reflectance * strength)
 
     return LinkedIntegrator
