@@ -76,7 +76,8 @@ def open_set_folder(folder: Path, recipe: Recipe) -> None:
         raise InputError(f"{folder}: holds other files; choose a new or empty folder")
     write_atomically(begun, content)
     for leftover in folder.rglob(".*.*"):  # what an interruption left of a file
-        leftover.unlink()
+        if leftover.is_file():
+            leftover.unlink()
     if (folder / MANIFEST_NAME).is_file():
         for relative, digest in load(folder).files.items():
             path = folder / relative
@@ -107,6 +108,8 @@ def _difference(begun: Path, recipe: Recipe) -> str:
     try:
         old = json.loads(begun.read_bytes())
     except ValueError:
+        old = None
+    if not isinstance(old, dict):
         return f"a broken {_RECIPE_NAME}"
     for key, value in json.loads(json.dumps(asdict(recipe))).items():
         if old.get(key) != value:
