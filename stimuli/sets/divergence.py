@@ -299,7 +299,7 @@ def _stimulus(cell: Cell) -> Stimulus:
         regions=_regions_file(scene),
         truth=_truth_files(scene),
         details={
-            "objects": dict(enumerate(cell.order, start=1)),
+            "objects": {str(label): letter for label, letter in enumerate(cell.order, start=1)},
             "key": asdict(key),
             "target_key": asdict(wrong),
             "ambient": [asdict(light) for light in AMBIENT],
