@@ -11,6 +11,7 @@ from stimuli.manifest import Stimulus, StimulusSet
 
 _MARGIN_PX: Final = 12
 _LINE_PX: Final = 18
+_FONT_PX: Final = 12
 _PAPER: Final = (246, 246, 244)
 _INK: Final = (30, 30, 30)
 
@@ -43,14 +44,12 @@ def draw_contact_sheet(stimuli: StimulusSet, *, columns: int, thumbnail_px: int)
         (_MARGIN_PX + columns * (thumbnail_px + _MARGIN_PX), _MARGIN_PX + rows * cell_height_px),
         _PAPER,
     )
-    draw = ImageDraw.Draw(sheet)
-    font = ImageFont.load_default(size=12)
     for index, (stimulus, picture) in enumerate(zip(stimuli.stimuli, thumbnails, strict=True)):
         row, column = divmod(index, columns)
         x = _MARGIN_PX + column * (thumbnail_px + _MARGIN_PX)
         y = _MARGIN_PX + row * cell_height_px
         sheet.paste(picture, (x, y))
-        draw.text((x, y + picture.height + 2), caption(stimulus), font=font, fill=_INK)
+        sheet.paste(_line(caption(stimulus), thumbnail_px), (x, y + picture.height))
     return sheet
 
 
@@ -64,6 +63,14 @@ def caption(stimulus: Stimulus) -> str:
 def write_contact_sheet(path: Path, stimuli: StimulusSet, columns: int, thumbnail_px: int) -> None:
     """Draw all images of a set and write them as one PNG or JPEG."""
     write_picture(path, draw_contact_sheet(stimuli, columns=columns, thumbnail_px=thumbnail_px))
+
+
+def _line(text: str, width_px: int) -> Image.Image:
+    """Draw a line of text, cut off where it is too long."""
+    line = Image.new("RGB", (width_px, _LINE_PX), _PAPER)
+    font = ImageFont.load_default(size=_FONT_PX)
+    ImageDraw.Draw(line).text((0, 2), text, font=font, fill=_INK)
+    return line
 
 
 def _thumbnail(path: Path, width_px: int) -> Image.Image:
