@@ -75,7 +75,7 @@ def test_a_missing_psychopy_is_named_with_how_to_install_it(
     monkeypatch.setenv("DISPLAY", ":0")
     monkeypatch.setitem(sys.modules, "psychopy", None)
     with (
-        pytest.raises(UnavailableError, match=r"pip install 'trompe\[lab\]'"),
+        pytest.raises(UnavailableError, match="pip install psychopy"),
         open_window(WindowSettings(), lambda _page: None),
     ):
         pass
