@@ -1,3 +1,5 @@
+import doctest
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -6,6 +8,7 @@ from numpy.testing import assert_allclose
 
 from algorithms.errors import InputError
 from algorithms.light import angle_between_deg
+from stimuli import rigs
 from stimuli.rigs import AMBIENT, CENTRE_ELEVATIONS_DEG, KEY_INTENSITY, diverging_keys
 
 PLACEMENTS = st.sampled_from(sorted(CENTRE_ELEVATIONS_DEG))
@@ -64,3 +67,8 @@ def test_ambient_lights() -> None:
 def test_refuses(arguments: tuple[str, float, int], message: str) -> None:
     with pytest.raises(InputError, match=message):
         diverging_keys(*arguments)
+
+
+def test_examples_in_docstrings_are_true() -> None:
+    found = doctest.testmod(rigs)
+    assert (found.attempted, found.failed) == (1, 0)
