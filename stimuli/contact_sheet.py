@@ -10,7 +10,7 @@ from algorithms.images import write_picture
 from stimuli.manifest import Stimulus, StimulusSet
 
 _MARGIN_PX: Final = 12
-_LINE_PX: Final = 18
+_CAPTION_PX: Final = 34
 _FONT_PX: Final = 12
 _PAPER: Final = (246, 246, 244)
 _INK: Final = (30, 30, 30)
@@ -37,7 +37,7 @@ def draw_contact_sheet(stimuli: StimulusSet, *, columns: int, thumbnail_px: int)
         if value < lowest:
             raise InputError(f"{name}: {value} given, {lowest} or more accepted")
     thumbnails = [_thumbnail(stimuli.path(s.file), thumbnail_px) for s in stimuli.stimuli]
-    cell_height_px = max(picture.height for picture in thumbnails) + _LINE_PX + _MARGIN_PX
+    cell_height_px = max(picture.height for picture in thumbnails) + _CAPTION_PX + _MARGIN_PX
     rows = -(-len(thumbnails) // columns)
     sheet = Image.new(
         "RGB",
@@ -49,15 +49,15 @@ def draw_contact_sheet(stimuli: StimulusSet, *, columns: int, thumbnail_px: int)
         x = _MARGIN_PX + column * (thumbnail_px + _MARGIN_PX)
         y = _MARGIN_PX + row * cell_height_px
         sheet.paste(picture, (x, y))
-        sheet.paste(_line(caption(stimulus), thumbnail_px), (x, y + picture.height))
+        sheet.paste(_text(caption(stimulus), thumbnail_px), (x, y + picture.height))
     return sheet
 
 
 def caption(stimulus: Stimulus) -> str:
-    """Return a stimulus' role, factors and answer in one line."""
+    """Return what is written below a stimulus: its factors, then its role and answer."""
     answer = "no answer" if stimulus.answer is None else f"answer {stimulus.answer}"
     factors = ", ".join(str(value) for value in stimulus.factors.values())
-    return f"{stimulus.role}: {factors}; {answer}"
+    return f"{factors}\n{stimulus.role}, {answer}"
 
 
 def write_contact_sheet(path: Path, stimuli: StimulusSet, columns: int, thumbnail_px: int) -> None:
@@ -65,12 +65,12 @@ def write_contact_sheet(path: Path, stimuli: StimulusSet, columns: int, thumbnai
     write_picture(path, draw_contact_sheet(stimuli, columns=columns, thumbnail_px=thumbnail_px))
 
 
-def _line(text: str, width_px: int) -> Image.Image:
-    """Draw a line of text, cut off where it is too long."""
-    line = Image.new("RGB", (width_px, _LINE_PX), _PAPER)
+def _text(text: str, width_px: int) -> Image.Image:
+    """Draw lines of text, cut off where they are too long."""
+    drawn = Image.new("RGB", (width_px, _CAPTION_PX), _PAPER)
     font = ImageFont.load_default(size=_FONT_PX)
-    ImageDraw.Draw(line).text((0, 2), text, font=font, fill=_INK)
-    return line
+    ImageDraw.Draw(drawn).text((0, 2), text, font=font, fill=_INK)
+    return drawn
 
 
 def _thumbnail(path: Path, width_px: int) -> Image.Image:

@@ -52,7 +52,7 @@ def draw_psychometric(
     axes.plot(
         fit.threshold.value,
         height,
-        marker="|",
+        marker="+",
         markersize=11,
         markeredgewidth=2,
         color="black",

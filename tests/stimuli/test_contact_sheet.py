@@ -40,20 +40,20 @@ def flat_set(tmp_path: Path) -> StimulusSet:
 
 
 def test_images_stand_in_order_with_their_captions(flat_set: StimulusSet) -> None:
-    # By hand: thumbnails of 80 x 40, a line of text of 18 and margins of 12 pixels.
+    # By hand: thumbnails of 80 x 40, a caption of 34 and margins of 12 pixels.
     sheet = np.array(draw_contact_sheet(flat_set, columns=2, thumbnail_px=80))
-    assert sheet.shape == (12 + 2 * (40 + 18 + 12), 12 + 2 * (80 + 12), 3)
-    for color, (top, left) in zip(COLORS, [(12, 12), (12, 104), (82, 12)], strict=True):
+    assert sheet.shape == (12 + 2 * (40 + 34 + 12), 12 + 2 * (80 + 12), 3)
+    for color, (top, left) in zip(COLORS, [(12, 12), (12, 104), (98, 12)], strict=True):
         assert (sheet[top : top + 40, left : left + 80] == color).all()
         line = sheet[top + 42 : top + 58, left : left + 80]
         assert (line.min(axis=-1) < 100).sum() > 20  # ink
-    assert (sheet[82:, 104:] == sheet[0, 0]).all()  # the fourth place is empty
+    assert (sheet[98:, 104:] == sheet[0, 0]).all()  # the fourth place is empty
 
 
 def test_caption_holds_factors_and_answer(flat_set: StimulusSet) -> None:
     assert [caption(stimulus) for stimulus in flat_set.stimuli[:2]] == [
-        "main: 0, front; no answer",
-        "main: 10, front; answer 1",
+        "0, front\nmain, no answer",
+        "10, front\nmain, answer 1",
     ]
 
 
