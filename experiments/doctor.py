@@ -58,9 +58,7 @@ def _psychopy() -> Check:
     try:
         version = importlib.metadata.version("psychopy")
     except importlib.metadata.PackageNotFoundError:
-        return Check(
-            "PsychoPy", "the lab runner", False, "not installed", "pip install psychopy"
-        )
+        return Check("PsychoPy", "the lab runner", False, "not installed", "pip install psychopy")
     return Check("PsychoPy", "the lab runner", True, version, "")
 
 
