@@ -12,7 +12,7 @@ from typing import Any, Final
 from algorithms.errors import InputError
 from algorithms.files import make_folder, sha256_of, write_atomically
 from stimuli.engine import Engine
-from stimuli.manifest import MANIFEST_NAME, load
+from stimuli.manifest import MANIFEST_NAME, StimulusSet, load
 
 _RECIPE_NAME: Final = "recipe.json"
 _LIBRARIES: Final = ("trompe", "mitsuba", "drjit", "numpy", "pillow")
@@ -46,7 +46,7 @@ def current_versions(engine: Engine) -> dict[str, str]:
     return versions
 
 
-def open_set_folder(folder: Path, recipe: Recipe) -> None:
+def open_set_folder(folder: Path, recipe: Recipe) -> StimulusSet | None:
     """Make a folder ready for a set, or for going on with the same one.
 
     Files that were altered since the set was finished are removed, so that they are made again.
@@ -57,6 +57,10 @@ def open_set_folder(folder: Path, recipe: Recipe) -> None:
         New, empty, or begun with the same recipe.
     recipe
         What is going to be made.
+
+    Returns
+    -------
+    The set, if it is finished and nothing of it is missing; else None.
 
     Raises
     ------
@@ -78,11 +82,7 @@ def open_set_folder(folder: Path, recipe: Recipe) -> None:
     for leftover in folder.rglob(".*.*"):  # what an interruption left of a file
         if leftover.is_file():
             leftover.unlink()
-    if (folder / MANIFEST_NAME).is_file():
-        for relative, digest in load(folder).files.items():
-            path = folder / relative
-            if path.is_file() and sha256_of(path) != digest:
-                path.unlink()
+    return _finished_set(folder) if (folder / MANIFEST_NAME).is_file() else None
 
 
 def digests(folder: Path) -> dict[str, str]:
@@ -94,6 +94,18 @@ def digests(folder: Path) -> dict[str, str]:
         for path in paths
         if path.name not in beside
     }
+
+
+def _finished_set(folder: Path) -> StimulusSet | None:
+    """Return a set if all its files are what they were, and remove those that are not."""
+    made = load(folder)
+    paths = {made.path(relative): digest for relative, digest in made.files.items()}
+    altered = [
+        path for path, digest in paths.items() if path.is_file() and sha256_of(path) != digest
+    ]
+    for path in altered:
+        path.unlink()
+    return made if all(path.is_file() for path in paths) else None
 
 
 def _version(name: str) -> str:

@@ -154,7 +154,8 @@ def make(
     recipe = Recipe(
         "divergence", f"{__name__}.make", parameters, seed, chosen, current_versions(chosen)
     )
-    open_set_folder(folder, recipe)
+    if finished := open_set_folder(folder, recipe):
+        return finished
     cells = plan(np.random.default_rng([seed, 0]), quick=quick, replicates=replicates)
     view = QUICK if quick else FULL
     exposure = _render_missing(folder, cells, view, seed, progress)

@@ -19,7 +19,7 @@ RECIPE = Recipe("drawn", "tests.draw", {"quick": True}, 5, "llvm", {"mitsuba": "
 def begun(tmp_path: Path) -> Path:
     """A folder in which the recipe's set has been begun."""
     folder = tmp_path / "set"
-    open_set_folder(folder, RECIPE)
+    assert open_set_folder(folder, RECIPE) is None
     return folder
 
 
@@ -76,12 +76,17 @@ def test_what_a_killed_writer_left_is_removed(begun: Path) -> None:
     assert names == {"recipe.json", "images", "images/main-004.png", ".hidden.folder"}
 
 
+def test_a_finished_set_is_taken_as_it_is(begun: Path) -> None:
+    made: StimulusSet = draw_set(begun)
+    assert open_set_folder(begun, RECIPE) == made
+
+
 def test_altered_files_of_a_finished_set_are_removed(begun: Path) -> None:
     made: StimulusSet = draw_set(begun)
     altered, missing, sound = (made.path(stimulus.file) for stimulus in made.stimuli[:3])
     altered.write_bytes(b"altered")
     missing.unlink()
-    open_set_folder(begun, RECIPE)
+    assert open_set_folder(begun, RECIPE) is None
     assert (altered.exists(), missing.exists(), sound.exists()) == (False, False, True)
 
 
