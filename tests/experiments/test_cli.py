@@ -116,7 +116,10 @@ def test_altered_stimuli_are_refused(command: str, drawn_set: StimulusSet, tmp_p
             "salience: 'e' given",
         ),
         (["serve", STUDY, "--stimuli", "none", "--data", "TMP"], "cannot be read"),
-        (["serve", STUDY, "--stimuli", "SET", "--data", "none/r.sqlite"], "cannot be used"),
+        (
+            ["serve", STUDY, "--stimuli", "SET", "--data", "none/r.sqlite", "--port", "0"],
+            "cannot be used",
+        ),
         (["serve", "nothing", "--stimuli", "SET", "--data", "TMP"], "no ready-made study"),
         (["export", "none.sqlite"], "there is no response store"),
         (["run-lab", STUDY, "--stimuli", "SET", "--data", "TMP"], r"demographics\.age: missing"),
@@ -149,4 +152,6 @@ def test_serve_refuses_an_unwritable_folder(drawn_set: StimulusSet, tmp_path: Pa
     (tmp_path / "file").write_text("in the way")
     data = tmp_path / "file" / "r.sqlite"
     with pytest.raises(InputError, match="cannot be used as a response store"):
-        study_command("serve", STUDY, "--stimuli", drawn_set.folder, "--data", data)
+        study_command(
+            *("serve", STUDY, "--stimuli", drawn_set.folder, "--data", data, "--port", "0")
+        )
