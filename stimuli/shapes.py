@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from algorithms.noise import PerlinNoise
 
-_NOISE_FREQUENCY: Final = 1.4
+_NOISE_FREQUENCY: Final = 1.2
 _OCTAVES: Final = 2
-_RADIUS_DEVIATION: Final = 0.11
+_OCTAVE_GAIN: Final = 0.2
+_RADIUS_DEVIATION: Final = 0.10
 _AXES: Final = (0.9, 1.05)
 _DIFFERENCE_STEP: Final = 1e-4
 
@@ -73,7 +74,9 @@ class AbstractShape:
         The largest is 1, within the sampling of the directions used to scale it.
         """
         ellipsoid = 1 / np.linalg.norm((directions @ self._rotation) / self._axes, axis=-1)
-        noise = self._noise.fractal(directions * _NOISE_FREQUENCY + self._offset, _OCTAVES, 0.4)
+        noise = self._noise.fractal(
+            directions * _NOISE_FREQUENCY + self._offset, _OCTAVES, _OCTAVE_GAIN
+        )
         return np.asarray(self._scale * np.exp(self._gain * (np.log(ellipsoid) + noise)))
 
     def normal(self, directions: NDArray[np.floating[Any]]) -> NDArray[np.float64]:

@@ -65,8 +65,8 @@ def test_light_adds_up() -> None:
 def test_object_shadows_itself() -> None:
     # Theory: a point is dark where the way to the light passes below the shape's own surface,
     # marched here through the formula of the surface, without mesh or ray tracer.
-    light = Light(160, -10, KEY_INTENSITY)
-    seed, view = 1, View(width_px=60, height_px=60, radius_px=28, samples=1)
+    light = Light(250, -20, KEY_INTENSITY)
+    seed, view = 5, View(width_px=60, height_px=60, radius_px=28, samples=1)
     renderer = make_renderer([matt_shape(seed)], [])
     truth = renderer.ground_truth(view)
     inside = truth.regions > 0
