@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.light import Light
-from stimuli.scene import Value
+from stimuli.mesh import Value
 
 # A ray cannot leave an object of radius 1 and meet it again farther away than its diameter.
 _SHADOW_REACH: Final = 2.1

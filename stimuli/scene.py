@@ -1,6 +1,6 @@
 """Objects, camera and light as Mitsuba describes them, in the project's frame."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -10,10 +10,7 @@ from numpy.typing import NDArray
 
 from algorithms.light import Light
 from stimuli.materials import Material
-from stimuli.shapes import Mesh
-
-Value = Any
-"""A value of Mitsuba's or Dr.Jit's, whose types depend on the variant."""
+from stimuli.mesh import Mesh, Value, to_mitsuba
 
 CAMERA_DISTANCE: Final = 10.0
 """From the plane of the objects' centres to the camera's, in object radii."""
@@ -87,27 +84,8 @@ def scene_of(objects: Sequence[Placed], centres: Sequence[tuple[float, float]]) 
 
 def _mesh(placed: Placed, centre: tuple[float, float], number: int) -> Value:
     mesh = placed.mesh.moved(np.array([*centre, 0.0]))
-    properties = mi.Properties()
-    properties["bsdf"] = mi.load_dict(placed.material.plugin(placed.albedo))
-    shape = mi.Mesh(
-        f"object_{number}",
-        vertex_count=len(mesh.vertices),
-        face_count=len(mesh.faces),
-        has_vertex_normals=True,
-        has_vertex_texcoords=True,
-        props=properties,
-    )
+    shape = to_mitsuba(mesh, placed.material.plugin(placed.albedo), f"object_{number}")
     shape.add_attribute("face_number", 1, [float(number)] * len(mesh.faces))
-    arrays: Mapping[str, NDArray[Any]] = {
-        "vertex_positions": mesh.vertices.astype(np.float32),
-        "vertex_normals": mesh.normals.astype(np.float32),
-        "vertex_texcoords": mesh.texture_coordinates.astype(np.float32),
-        "faces": mesh.faces.astype(np.uint32),
-    }
-    parameters = mi.traverse(shape)
-    for name, values in arrays.items():
-        parameters[name] = values.ravel()
-    parameters.update()
     return shape
 
 

@@ -1,12 +1,12 @@
 """Abstract objects: ellipsoids dented and swollen by noise, asymmetric and globally convex."""
 
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.noise import PerlinNoise
+from stimuli.mesh import Mesh
 
 _NOISE_FREQUENCY: Final = 1.2
 _OCTAVES: Final = 2
@@ -14,32 +14,6 @@ _OCTAVE_GAIN: Final = 0.2
 _RADIUS_DEVIATION: Final = 0.10
 _AXES: Final = (0.9, 1.05)
 _DIFFERENCE_STEP: Final = 1e-4
-
-
-@dataclass(frozen=True)
-class Mesh:
-    """A closed triangle mesh with smooth normals and texture coordinates.
-
-    Attributes
-    ----------
-    vertices, normals
-        `(n, 3)`, in the project's frame; normals of unit length, pointing out.
-    texture_coordinates
-        `(n, 2)`, both 0..1: longitude and latitude of the direction from the centre.
-    faces
-        `(m, 3)` indices, counter-clockwise as seen from outside.
-    """
-
-    vertices: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    texture_coordinates: NDArray[np.float64]
-    faces: NDArray[np.int64]
-
-    def moved(self, offset: NDArray[np.float64], scale: float = 1.0) -> "Mesh":
-        """Return the mesh scaled about the origin, then moved by `offset` `(3,)`."""
-        return Mesh(
-            self.vertices * scale + offset, self.normals, self.texture_coordinates, self.faces
-        )
 
 
 class AbstractShape:
