@@ -27,12 +27,13 @@ from algorithms.color import encode_srgb
 from algorithms.files import write_atomically
 from algorithms.light import Light
 from stimuli.arrangement import BACKGROUND, FULL, QUICK, place_objects
+from stimuli.camera import View
 from stimuli.engine import choose_engine
 from stimuli.making import current_versions
-from stimuli.render import Image, Renderer, make_renderer
+from stimuli.render import Renderer, make_renderer
 from stimuli.rigs import AMBIENT, CENTRE_ELEVATIONS_DEG, diverging_keys
-from stimuli.scene import View
 from stimuli.sets import divergence
+from stimuli.truth import Image
 from tests.stimuli.path_tracer import PathTracer
 
 Render = Callable[[], tuple[Image, Image]]

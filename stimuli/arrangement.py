@@ -5,8 +5,9 @@ from typing import Final
 import numpy as np
 
 from algorithms.color import decode_srgb
+from stimuli.camera import View
 from stimuli.materials import TABLE_2_1, Material
-from stimuli.scene import Placed, View
+from stimuli.scene import Placed
 from stimuli.shapes import AbstractShape, sphere_directions
 
 FULL: Final = View(width_px=1024, height_px=600, radius_px=105, samples=16)

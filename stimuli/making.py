@@ -1,18 +1,19 @@
-"""Making a stimulus set file by file, so that an interrupted one goes on where it was."""
+"""Making a stimulus set image by image, so that an interrupted one goes on where it was."""
 
 import importlib.metadata
 import json
 import os
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
 from algorithms.errors import InputError
 from algorithms.files import make_folder, sha256_of, write_atomically
 from stimuli.engine import Engine
-from stimuli.manifest import MANIFEST_NAME, StimulusSet, load
+from stimuli.exposure import clipped_share
+from stimuli.manifest import MANIFEST_NAME, Stimulus, StimulusSet, load
 
 _RECIPE_NAME: Final = "recipe.json"
 _LIBRARIES: Final = ("trompe", "mitsuba", "drjit", "numpy", "pillow")
@@ -35,6 +36,116 @@ class Recipe:
     seed: int
     engine: Engine
     versions: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One image of a set, and what makes it.
+
+    Attributes
+    ----------
+    stimulus
+        As it will stand in the manifest, but for what only the making can tell.
+    make
+        Writes the stimulus' files into the set's folder, and returns what else is to stand in its
+        `details`: JSON, such as the noise that is left.
+    """
+
+    stimulus: Stimulus
+    make: Callable[[Path], Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The images of a set, and what they have in common.
+
+    Attributes
+    ----------
+    jobs
+        One for each image, in the set's order.
+    exposure, objects, details
+        As in the manifest; see `StimulusSet`.
+    """
+
+    jobs: Sequence[Job]
+    exposure: float
+    objects: Mapping[int, str] = field(default_factory=dict)
+    details: Mapping[str, Any] = field(default_factory=dict)
+
+
+def make_set(
+    folder: Path, recipe: Recipe, plan: Callable[[], Plan], progress: Progress = no_progress
+) -> StimulusSet:
+    """Make a set, or what is missing of it, and write its manifest.
+
+    Parameters
+    ----------
+    folder
+        New, empty, or begun with the same recipe.
+    recipe
+        Fixes the set's bytes.
+    plan
+        Called where something is to be made; the same recipe must give the same plan.
+    progress
+        Called after each image.
+
+    Returns
+    -------
+    The set, as written.
+
+    Raises
+    ------
+    InputError
+        If the folder holds something else or cannot be written to; whatever the jobs raise.
+    """
+    if finished := open_set_folder(folder, recipe):
+        return finished
+    made = plan()
+    stimuli = []
+    for done, job in enumerate(made.jobs):
+        progress(done, len(made.jobs))
+        stimuli.append(_make_stimulus(folder, job))
+    progress(len(made.jobs), len(made.jobs))
+    return StimulusSet(
+        **asdict(recipe),
+        exposure=made.exposure,
+        objects=made.objects,
+        details={
+            **made.details,
+            "clipped_share": clipped_share(folder / stimulus.file for stimulus in stimuli),
+        },
+        files=digests(folder),
+        stimuli=tuple(stimuli),
+    ).write(folder)
+
+
+def _make_stimulus(folder: Path, job: Job) -> Stimulus:
+    """Do a job unless it is done; its record is the last file that it leaves."""
+    stimulus = job.stimulus
+    record = folder / "measured" / f"{stimulus.id}.json"
+    used = (stimulus.file, stimulus.regions, *stimulus.truth.values())
+    if not record.is_file() or not all((folder / file).is_file() for file in used if file):
+        for file in (stimulus.file, *stimulus.truth.values(), "measured/."):
+            make_folder((folder / file).parent)
+        measured = dict(job.make(folder))
+        write_atomically(record, json.dumps(measured, indent=1).encode() + b"\n")
+    details = {**stimulus.details, **json.loads(record.read_bytes())}
+    return stimulus.model_copy(update={"details": details})
+
+
+def recipe_of(
+    name: str, generator: str, parameters: Mapping[str, Any], seed: int, engine: Engine
+) -> Recipe:
+    """Return the recipe of a set that is made now, with the versions that are installed.
+
+    Raises
+    ------
+    InputError
+        If the seed is negative.
+    """
+    if seed < 0:
+        raise InputError(f"seed: {seed} given, 0 or more accepted")
+    return Recipe(name, generator, parameters, seed, engine, current_versions(engine))
 
 
 def current_versions(engine: Engine) -> dict[str, str]:

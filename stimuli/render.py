@@ -7,7 +7,6 @@ shadows nor light pass from one object to another, since a neighbour's would tel
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import mitsuba as mi
 import numpy as np
@@ -15,34 +14,11 @@ from numpy.typing import NDArray
 
 from algorithms.errors import InputError
 from algorithms.light import Light
+from stimuli.camera import View
 from stimuli.engine import VARIANTS
 from stimuli.linked_integrator import SHADOW_SPACING, linked_integrator_class
-from stimuli.scene import CAMERA_DISTANCE, LIGHT, Placed, View, scene_of, sensor_of, turn_light
-
-Image = NDArray[np.float32]
-
-
-@dataclass(frozen=True)
-class GroundTruth:
-    """What is known exactly at every pixel's centre.
-
-    Attributes
-    ----------
-    regions
-        uint8 `(height, width)`: 0 for the background, else the object's number from 1.
-    distance
-        float32 `(height, width)`: from the camera's plane, in object radii; infinite for the
-        background.
-    normal
-        float32 `(height, width, 3)`: unit vectors in the project's frame, 0 for the background.
-    albedo
-        float32 `(height, width, 3)`: diffuse albedo, 0 for the background.
-    """
-
-    regions: NDArray[np.uint8]
-    distance: Image
-    normal: Image
-    albedo: Image
+from stimuli.scene import LIGHT, Placed, scene_of, turn_light
+from stimuli.truth import GroundTruth, Image, ground_truth
 
 
 class Renderer(ABC):
@@ -96,19 +72,10 @@ class Renderer(ABC):
 
     def ground_truth(self, view: View) -> GroundTruth:
         """Return what is known exactly at every pixel's centre."""
-        centred = replace(view, samples=1)
+        self._numbers(view)
         scene = mi.load_dict(scene_of(self.objects, [placed.centre for placed in self.objects]))
-        channels = "position:position,normal:sh_normal,albedo:albedo"
-        integrator = mi.load_dict({"type": "aov", "aovs": channels})
-        aovs = np.array(mi.render(scene, sensor=sensor_of(centred), integrator=integrator, spp=1))
-        hit = np.any(aovs[..., :3], axis=-1)
-        outside = np.logical_not(hit)[..., None]
-        return GroundTruth(
-            self._numbers(view) * hit,
-            np.where(hit, CAMERA_DISTANCE - aovs[..., 2], np.inf).astype(np.float32),
-            np.where(outside, 0, aovs[..., 3:6]).astype(np.float32),
-            np.where(outside, 0, aovs[..., 6:9]).astype(np.float32),
-        )
+        numbers = {f"object_{index}": index + 1 for index in range(len(self.objects))}
+        return ground_truth(scene, view, numbers)
 
     def _numbers(self, view: View) -> NDArray[np.uint8]:
         """Return the number of the only object that may be seen in each pixel."""
@@ -139,7 +106,7 @@ class LinkedRenderer(Renderer):
         pixels = np.array(
             mi.render(
                 self._scene,
-                sensor=sensor_of(view),
+                sensor=view.sensor("grid"),
                 integrator=self._integrator,
                 spp=view.samples,
             )
@@ -183,7 +150,7 @@ class SuperposedRenderer(Renderer):
             self._parts[view, number, light] = np.array(
                 mi.render(
                     self._scenes[number],
-                    sensor=sensor_of(view, box),
+                    sensor=view.sensor("grid", box),
                     integrator=self._integrator,
                     spp=view.samples,
                 )

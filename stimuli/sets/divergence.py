@@ -19,6 +19,7 @@ from algorithms.errors import InputError
 from algorithms.images import read_image, write_channels, write_image, write_labels
 from algorithms.light import Light
 from stimuli.arrangement import BACKGROUND, COARSE, FULL, QUICK, place_objects
+from stimuli.camera import View
 from stimuli.engine import choose_engine
 from stimuli.luminance_observer import HitRate, experienced_hit_rates, outlier_hit_rates
 from stimuli.making import (
@@ -33,7 +34,6 @@ from stimuli.manifest import Role, Stimulus, StimulusSet
 from stimuli.materials import TABLE_2_1, Finish
 from stimuli.render import Renderer, make_renderer
 from stimuli.rigs import AMBIENT, CENTRE_ELEVATIONS_DEG, diverging_keys
-from stimuli.scene import View
 
 LEVELS_DEG: Final = tuple(range(0, 91, 10))
 FINISHES: Final[tuple[Finish, ...]] = ("diffuse", "shiny")

@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from stimuli.camera import View
 from stimuli.materials import TABLE_2_1, Material
-from stimuli.scene import Placed, View
+from stimuli.scene import Placed
 from stimuli.shapes import AbstractShape, sphere_directions
 
 MATT = Material("diffuse", "plain", (0.5, 0.5))

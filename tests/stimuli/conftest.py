@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from stimuli import arrangement
+from stimuli.camera import View
 from stimuli.engine import Engine, choose_engine, engine_report
 from stimuli.manifest import StimulusSet
 from stimuli.render import Renderer, make_renderer
 from stimuli.rigs import AMBIENT
-from stimuli.scene import View
 from stimuli.sets import divergence
 from stimuli.shapes import AbstractShape
 from tests.conftest import require

@@ -7,8 +7,9 @@ import mitsuba as mi
 import numpy as np
 
 from algorithms.light import Light
-from stimuli.render import Image
-from stimuli.scene import Placed, View, scene_of
+from stimuli.camera import View
+from stimuli.scene import Placed, scene_of
+from stimuli.truth import Image
 
 
 class PathTracer:

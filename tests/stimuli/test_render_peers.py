@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from algorithms.light import Light
+from stimuli.camera import View
 from stimuli.engine import choose_engine
 from stimuli.render import make_renderer
 from stimuli.rigs import AMBIENT, KEY_INTENSITY
-from stimuli.scene import View
 from tests.stimuli.bodies import of_table
 from tests.stimuli.path_tracer import PathTracer
 

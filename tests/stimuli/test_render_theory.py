@@ -6,9 +6,10 @@ from numpy.testing import assert_allclose
 
 from algorithms.errors import InputError
 from algorithms.light import Light
+from stimuli.camera import CAMERA_DISTANCE, View
 from stimuli.render import make_renderer
 from stimuli.rigs import KEY_INTENSITY
-from stimuli.scene import CAMERA_DISTANCE, Placed, View
+from stimuli.scene import Placed
 from stimuli.shapes import AbstractShape, sphere_directions
 from tests.stimuli.bodies import (
     MATT,
