@@ -60,7 +60,7 @@ def demo(
     with web.listen(host, port):  # a port in use is said before the rendering, not after it
         _say("1. stimuli", "eight objects, one of them under another light, rendered by Mitsuba")
         stimulus_set = stimuli.cli.make_with_progress(
-            "divergence", folder / "stimuli", quick=True, replicates=1, seed=seed, engine=engine
+            "divergence", folder / "stimuli", quick=True, seed=seed, engine=engine
         )
     with Store.open(data) as store:
         application = web.create_app(study, stimulus_set, store)

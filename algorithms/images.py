@@ -164,11 +164,15 @@ def write_channels(path: str | Path, values: NDArray[np.float32]) -> None:
         for index, name in enumerate(names)
     }
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    with tempfile.TemporaryDirectory() as folder:
-        temporary = Path(folder, "image.exr")
-        with OpenEXR.File(header, channels) as file:
-            file.write(str(temporary))
-        write_atomically(Path(path), temporary.read_bytes())
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            temporary = Path(folder, "image.exr")
+            with OpenEXR.File(header, channels) as file:
+                file.write(str(temporary))
+            content = temporary.read_bytes()
+    except (OSError, RuntimeError) as error:
+        raise InputError(f"{path}: cannot be written (no space for temporary files?)") from error
+    write_atomically(Path(path), content)
 
 
 def _suffix(path: Path) -> str:

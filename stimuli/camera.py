@@ -181,7 +181,7 @@ class Perspective:
         if self.width_px < 1 or self.height_px < 1:
             raise InputError("width_px, height_px: 1 or more are accepted")
         away = np.subtract(self.target, self.position)
-        if np.linalg.norm(np.cross(away, self.up)) < 1e-9 * np.linalg.norm(away):
+        if np.linalg.norm(np.cross(away, self.up)) <= 1e-9 * np.linalg.norm(away):
             raise InputError("target: a point that is not straight above or below is accepted")
 
     @property
@@ -243,6 +243,32 @@ class Perspective:
         x, y, _ = np.moveaxis((points - np.asarray(self.position)) @ self.axes.T, -1, 0)
         scale = self.focal_length_px / self.depth(points)
         return np.stack([self.width_px / 2 + x * scale, self.height_px / 2 - y * scale], axis=-1)
+
+
+def camera_of(scene: Value) -> Perspective:
+    """Return the camera of a Mitsuba scene: its first sensor.
+
+    Raises
+    ------
+    InputError
+        If there is none, or it is not a `perspective` one.
+    """
+    sensors = scene.sensors()
+    if not sensors or not str(sensors[0]).startswith("PerspectiveCamera"):
+        raise InputError("camera: the scene has no `perspective` sensor, and none is given")
+    parameters = mi.traverse(sensors[0])
+    to_world = np.array(parameters["to_world"].matrix, dtype=np.float64).reshape(4, 4)
+    width_px, height_px = (int(extent) for extent in sensors[0].film().size())
+    position, ahead, up = to_world[:3, 3], to_world[:3, 2], to_world[:3, 1]
+    target = position + ahead
+    return Perspective(
+        tuple(position.tolist()),
+        tuple(target.tolist()),
+        float(np.ravel(parameters["x_fov"])[0]),
+        width_px,
+        height_px,
+        tuple(up.tolist()),
+    )
 
 
 def light_in_frame(light_in_scene: Light, camera: Camera) -> Light:

@@ -1,8 +1,9 @@
 """The commands of `trompe stimuli`."""
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -19,10 +20,17 @@ Json = Annotated[bool, typer.Option("--json", help="Machine-readable output.")]
 
 @app.command()
 def make(
-    name: Annotated[str, typer.Argument(metavar="SET", help="Its name; `list` tells them.")],
+    name: Annotated[
+        str, typer.Argument(metavar="SET", help="Its name (see `list`), or a Python file.")
+    ],
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="New, empty or begun before.")],
     quick: Annotated[bool, typer.Option("--quick", help="Small images, fewer of them.")] = False,
-    replicates: Annotated[int, typer.Option(help="Images a cell, with other targets.")] = 1,
+    replicates: Annotated[
+        int | None, typer.Option(help="Images a cell, with other targets, where the set has them.")
+    ] = None,
+    photographs: Annotated[
+        Path | None, typer.Option(help="The folder of photographs that `photographs` combines.")
+    ] = None,
     seed: Annotated[int, typer.Option(help="Fixes every random choice.")] = 2010,
     engine: Annotated[
         str | None, typer.Option(help="cuda, llvm or scalar; without it the fastest that works.")
@@ -30,9 +38,9 @@ def make(
     as_json: Json = False,
 ) -> None:
     """Render a stimulus set; after an interruption the same command goes on with it."""
-    made = make_with_progress(
-        name, folder, quick=quick, replicates=replicates, seed=seed, engine=engine
-    )
+    given = {"replicates": replicates, "photographs": photographs}
+    options = {name: value for name, value in given.items() if value is not None}
+    made = make_with_progress(name, folder, options, quick=quick, seed=seed, engine=engine)
     _print_summary(made, as_json)
 
 
@@ -68,7 +76,13 @@ def show(
 
 
 def make_with_progress(
-    name: str, folder: Path, *, quick: bool, replicates: int, seed: int, engine: str | None
+    name: str,
+    folder: Path,
+    options: Mapping[str, Any] | None = None,
+    *,
+    quick: bool,
+    seed: int,
+    engine: str | None,
 ) -> StimulusSet:
     """Make a set as `stimuli.sets` does, with a progress bar where there is a terminal."""
     from stimuli.sets import maker
@@ -82,11 +96,10 @@ def make_with_progress(
     )
     with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
         task = bar.add_task(f"stimuli {name}", total=None)
-        return maker(name)(
+        return maker(name, options)(
             folder,
             seed=seed,
             quick=quick,
-            replicates=replicates,
             engine=engine,
             progress=lambda done, total: bar.update(task, completed=done, total=total),
         )

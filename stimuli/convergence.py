@@ -1,6 +1,6 @@
 """Rendering until the noise is below what is accepted, and saying how much is left."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -13,7 +13,8 @@ from algorithms.errors import InputError
 Image = NDArray[np.float32]
 
 Pass = Callable[[int], Image]
-"""Renders an independent estimate of the radiance, float32 `(height, width, 3)`, from a seed."""
+"""Renders an independent estimate from a seed: radiance, float32 `(height, width, 3)`, or radiance
+and the share of each pixel that objects cover, `(height, width, 4)`."""
 
 NOISE_LIMIT: Final = 1.0
 """The accepted noise, RMS in 1/255 of the encoded values as displayed."""
@@ -29,6 +30,8 @@ class Converged:
     ----------
     radiance
         The mean of all passes, float32 `(height, width, 3)`.
+    coverage
+        Likewise, float32 `(height, width)`; None if the passes do not tell it.
     noise_rms_of_255
         The noise that is left in it, root mean square over pixels and channels, in 1/255 of the
         encoded values as displayed.
@@ -37,6 +40,7 @@ class Converged:
     """
 
     radiance: Image
+    coverage: Image | None
     noise_rms_of_255: float
     passes: int
 
@@ -77,22 +81,26 @@ def render_until(
     """
     halves = [render(seed).astype(np.float64), render(seed + 1).astype(np.float64)]
     passes = 2
-    while True:
-        noise = half_difference_rms_of_255(halves[0] * 2 / passes, halves[1] * 2 / passes, exposure)
-        if noise <= limit_of_255:
-            mean = (halves[0] + halves[1]) / passes
-            return Converged(mean.astype(np.float32), noise, passes)
-        # The variance falls with the number of passes.
-        wanted = int(np.ceil(passes * _SAFETY * (noise / limit_of_255) ** 2))
-        wanted = min(max(passes + 2, wanted + wanted % 2), 2 * most_passes)
+    while (noise := _noise(halves, passes, exposure)) > limit_of_255:
         if passes >= most_passes:
             raise InputError(
                 f"noise: {noise:.2f}/255 is left after {passes} passes; more samples a pass, a"
                 f" limit above {limit_of_255:g}/255 or a smaller image are accepted"
             )
-        for number in range(passes, min(wanted, most_passes)):
+        # The variance falls with the number of passes.
+        wanted = int(np.ceil(passes * _SAFETY * (noise / limit_of_255) ** 2))
+        wanted = min(max(passes + 2, wanted + wanted % 2), most_passes)
+        for number in range(passes, wanted):
             halves[number % 2] += render(seed + number)
-        passes = min(wanted, most_passes)
+        passes = wanted
+    mean = ((halves[0] + halves[1]) / passes).astype(np.float32)
+    coverage = mean[..., 3] if mean.shape[-1] == 4 else None
+    return Converged(mean[..., :3], coverage, noise, passes)
+
+
+def _noise(halves: Sequence[NDArray[np.float64]], passes: int, exposure: float) -> float:
+    first, second = (half[..., :3] * (2 / passes) for half in halves)
+    return half_difference_rms_of_255(first, second, exposure)
 
 
 def half_difference_rms_of_255(

@@ -106,7 +106,7 @@ def make_set(
         progress(done, len(made.jobs))
         stimuli.append(_make_stimulus(folder, job))
     progress(len(made.jobs), len(made.jobs))
-    return StimulusSet(
+    StimulusSet(
         **asdict(recipe),
         exposure=made.exposure,
         objects=made.objects,
@@ -117,6 +117,7 @@ def make_set(
         files=digests(folder),
         stimuli=tuple(stimuli),
     ).write(folder)
+    return load(folder)  # as anybody else will see it: what was a tuple is a list in JSON
 
 
 def _make_stimulus(folder: Path, job: Job) -> Stimulus:
@@ -124,9 +125,10 @@ def _make_stimulus(folder: Path, job: Job) -> Stimulus:
     stimulus = job.stimulus
     record = folder / "measured" / f"{stimulus.id}.json"
     used = (stimulus.file, stimulus.regions, *stimulus.truth.values())
-    if not record.is_file() or not all((folder / file).is_file() for file in used if file):
-        for file in (stimulus.file, *stimulus.truth.values(), "measured/."):
-            make_folder((folder / file).parent)
+    places = [record, *(folder / file for file in used if file)]
+    if not all(place.is_file() for place in places):
+        for parent in {place.parent for place in places}:
+            make_folder(parent)
         measured = dict(job.make(folder))
         write_atomically(record, json.dumps(measured, indent=1).encode() + b"\n")
     details = {**stimulus.details, **json.loads(record.read_bytes())}

@@ -1,9 +1,11 @@
 """One file for each stimulus set; each offers `make(folder, ...)`."""
 
 import importlib
-from collections.abc import Mapping
+import importlib.util
+import inspect
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Final, Protocol
+from typing import Any, Final, Protocol
 
 from algorithms.errors import InputError
 from stimuli.making import Progress
@@ -12,35 +14,71 @@ from stimuli.manifest import StimulusSet
 SUMMARIES: Final[Mapping[str, str]] = {
     "divergence": "experiment 1: eight objects, one of them under another light (sec. 2.3)",
 }
-"""What each set is, by its name, which is also the name of its file."""
+"""What each set is, by its name, which is also the name of its file (with _ for -)."""
 
 
 class Make(Protocol):
-    """What every set offers; see the sets for what the arguments mean to them."""
+    """What every set offers; see the sets for what the arguments mean, and for those of their own.
+
+    A file of one's own that offers such a function is a set too.
+    """
 
     def __call__(
-        self,
-        folder: Path,
-        *,
-        seed: int,
-        quick: bool,
-        replicates: int,
-        engine: str | None,
-        progress: Progress,
+        self, folder: Path, *, seed: int, quick: bool, engine: str | None, progress: Progress
     ) -> StimulusSet:
         """Make the set in a folder, or what is missing of it."""
         ...
 
 
-def maker(name: str) -> Make:
+def maker(name: str, options: Mapping[str, Any] | None = None) -> Make:
     """Return the function that makes a set.
+
+    Parameters
+    ----------
+    name
+        Of one of our sets, or the path of a Python file that offers `make` as they do.
+    options
+        Arguments that only some sets have; they are bound to the function.
 
     Raises
     ------
     InputError
-        If there is no set of that name.
+        If there is no set of that name, or it has no such option.
     """
+    make = _function(name)
+    accepted = inspect.signature(make).parameters
+
+    def with_options(folder: Path, **others: Any) -> StimulusSet:  # noqa: ANN401
+        return make(folder, **others, **(options or {}))
+
+    for option in options or {}:
+        if option not in accepted:
+            raise InputError(f"{option}: not an option of the set {name!r}")
+    return with_options
+
+
+def _function(name: str) -> Callable[..., StimulusSet]:
+    if name.endswith(".py"):
+        return _function_of_file(Path(name))
     if name not in SUMMARIES:
-        raise InputError(f"set: {name!r} given, {', '.join(SUMMARIES)} accepted")
-    make: Make = importlib.import_module(f"stimuli.sets.{name}").make
+        raise InputError(
+            f"set: {name!r} given, {', '.join(SUMMARIES)} or the path of a Python file accepted"
+        )
+    make: Callable[..., StimulusSet] = importlib.import_module(
+        f"stimuli.sets.{name.replace('-', '_')}"
+    ).make
+    return make
+
+
+def _function_of_file(path: Path) -> Callable[..., StimulusSet]:
+    if not path.is_file():
+        raise InputError(f"set: {path}: no such file")
+    specification = importlib.util.spec_from_file_location(path.stem, path)
+    assert specification is not None
+    assert specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    make: Callable[..., StimulusSet] | None = getattr(module, "make", None)
+    if make is None:
+        raise InputError(f"set: {path}: has no function `make`")
     return make

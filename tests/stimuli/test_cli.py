@@ -104,7 +104,7 @@ def test_what_cannot_be_made_is_told_in_one_line(
     (tmp_path / "other" / "notes.txt").touch()
     file = tmp_path / "other" / "notes.txt"
     for arguments, message in [
-        (("cubes", tmp_path / "set"), "set: 'cubes' given, divergence accepted"),
+        (("cubes", tmp_path / "set"), "set: 'cubes' given, divergence"),
         (("divergence", tmp_path / "set", "--engine", "gpu"), "engine: 'gpu' given"),
         (("divergence", tmp_path / "set", "--seed", "-1"), "seed: -1 given"),
         (("divergence", tmp_path / "set", "--replicates", "0"), "replicates: 0 given"),
