@@ -7,9 +7,6 @@ less than 3 GB, and at most 1/255 RMS against 256 samples a pixel, in encoded va
 """
 
 import argparse
-import json
-import os
-import platform
 import resource
 import tempfile
 import time
@@ -24,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.color import encode_srgb
-from algorithms.files import write_atomically
 from algorithms.light import Light
+from benchmarks.results import machine, write_result
 from stimuli.arrangement import BACKGROUND, FULL, QUICK, place_objects
 from stimuli.camera import View
 from stimuli.engine import choose_engine
@@ -181,7 +178,7 @@ def run(engine: str | None) -> dict[str, Any]:
         made = pool.submit(make_full_set, engine).result()
     chosen = choose_engine(engine)
     result: dict[str, Any] = {
-        "machine": {"processor": processor(), "cores": os.cpu_count(), "load": os.getloadavg()[0]},
+        "machine": machine(),
         "engine": chosen,
         "versions": current_versions(chosen),
         "limits": LIMITS,
@@ -201,32 +198,13 @@ def run(engine: str | None) -> dict[str, Any]:
     return result
 
 
-def processor() -> str:
-    """Return the processor's name."""
-    information = Path("/proc/cpuinfo")
-    lines = information.read_text(encoding="utf-8").splitlines() if information.exists() else []
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()
-
-
-def rounded(value: Any) -> Any:  # noqa: ANN401  # any JSON
-    """Return JSON with four significant digits in its numbers."""
-    if isinstance(value, dict):
-        return {key: rounded(each) for key, each in value.items()}
-    return float(f"{value:.4g}") if isinstance(value, float) else value
-
-
 def main() -> None:
     """Read the arguments, run, and write the result as JSON."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--engine", help="cuda, llvm or scalar; else the fastest that works")
     parser.add_argument("--output", type=Path, help="a file instead of the terminal")
     given = parser.parse_args()
-    text = json.dumps(rounded(run(given.engine)), indent=1)
-    if given.output:
-        write_atomically(given.output, text.encode() + b"\n")
-    else:
-        print(text)
+    write_result(run(given.engine), given.output)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Sets of one's own, from Mitsuba dictionaries and XML files, and what is refused."""
 
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import IO, Any
@@ -10,20 +11,19 @@ import pytest
 from numpy.testing import assert_allclose
 
 import trompe
-from algorithms.color import encode_srgb
+from algorithms.color import encode_srgb, luminance
 from algorithms.errors import InputError
 from algorithms.images import read_channels, read_image, read_labels
-from algorithms.light import Light
+from algorithms.light import Light, angle_between_deg
 from stimuli import user_set
 from stimuli.camera import Perspective
-from stimuli.engine import choose_engine
-from stimuli.making import Job
 from stimuli.manifest import StimulusSet, load
 from stimuli.sets import maker
 from stimuli.user_set import SceneImage, make_scene_set
 
 CAMERA = Perspective((0.0, 0.0, 6.0), (0.0, 0.0, 0.0), 30.0, 48, 32)
 LIGHT = {"type": "directional", "direction": [0, 0, -1], "irradiance": {"type": "rgb", "value": 2}}
+GUIDE = Path(__file__).parents[2] / "docs" / "own-stimuli.md"
 XML = """<scene version="3.0.0">
   <sensor type="perspective">
     <float name="fov" value="30"/><string name="fov_axis" value="x"/>
@@ -182,38 +182,33 @@ def test_empty_sets_and_negative_seeds_are_refused(tmp_path: Path) -> None:
         make_scene_set(tmp_path, "x", [ball(0.5)], seed=-1)
 
 
-OWN = """
-from stimuli.user_set import make_scene_set
-from tests.stimuli.test_user_set import ball
-
-
-def make(folder, *, seed, quick, engine, progress):
-    images = [ball(albedo) for albedo in ((0.5,) if quick else (0.2, 0.8))]
-    return make_scene_set(folder, "own", images, seed=seed, engine=engine, progress=progress)
-"""
-
-
-def test_a_python_file_is_a_set_for_the_command(
+def test_the_set_of_the_guide_is_made_by_the_command(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    own = tmp_path / "own.py"
-    own.write_text(OWN, encoding="utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", GUIDE.read_text(encoding="utf-8"), re.DOTALL)
+    own = tmp_path / "ball.py"
+    own.write_text(code, encoding="utf-8")
     with pytest.raises(SystemExit) as ended:
         trompe.main(["stimuli", "make", str(own), str(tmp_path / "set"), "--quick", "--json"])
     assert ended.value.code == 0
-    assert '"set": "own"' in capsys.readouterr().out
-    with pytest.raises(InputError, match="replicates: not an option of the set"):
-        maker(str(own), {"replicates": 2})
-    with pytest.raises(InputError, match=r"nothing\.py: no such file"):
-        maker(str(tmp_path / "nothing.py"))
+    assert '"set": "ball"' in capsys.readouterr().out
+    made = load(tmp_path / "set")
+    # Recovery: where the light is said to be is where the ball is brightest.
+    for stimulus in made.stimuli:
+        light = Light(**stimulus.details["lights"][0])
+        radiance = luminance(read_channels(made.path(stimulus.truth["radiance"])))
+        normal = read_channels(made.path(stimulus.truth["normal"]))
+        brightest = normal[radiance > np.quantile(radiance, 0.995)].mean(axis=0)
+        assert angle_between_deg(Light.from_direction(brightest), light) < 6
+
+
+def test_files_that_are_no_sets_are_refused(tmp_path: Path) -> None:
+    own = tmp_path / "own.py"
+    with pytest.raises(InputError, match=r"own\.py: no such file"):
+        maker(str(own))
     own.write_text("x = 1\n", encoding="utf-8")
     with pytest.raises(InputError, match="has no function `make`"):
         maker(str(own))
-
-
-def test_jobs_are_what_sets_are_made_of() -> None:
-    choose_engine()
-    image = ball(0.5)
-    view = user_set._SceneView(image, user_set.PATH_TRACER)
-    job = Job(view.stimulus(), user_set._Make(view, 1.0, 0, 1.0))
-    assert job.stimulus.id == image.id
+    own.write_text("def make(folder, *, seed): pass\n", encoding="utf-8")
+    with pytest.raises(InputError, match="replicates: not an option of the set"):
+        maker(str(own), {"replicates": 2})
