@@ -12,7 +12,7 @@ from algorithms.light import Light
 from stimuli.mesh import Value
 
 Point = tuple[float, float, float]
-Sampler = Literal["independent", "centre", "grid"]
+Sampler = Literal["independent", "centre", "grid", "jittered"]
 
 CAMERA_DISTANCE: Final = 10.0
 """From the plane of the objects' centres to the camera's, in object radii."""
@@ -44,7 +44,7 @@ class Camera(Protocol):
         Parameters
         ----------
         sampler
-            `independent` for random samples, `centre` for one sample in each pixel's centre.
+            See `sampler_of`.
         """
         ...
 
@@ -302,11 +302,11 @@ def sampler_of(name: Sampler, samples: int = 1) -> dict[str, Any]:
     ----------
     name
         `independent` for random samples, `centre` for one sample in each pixel's centre, `grid` for
-        samples on a regular grid.
+        samples on a regular grid, `jittered` for a random sample in each cell of such a grid.
     samples
-        Of the grid, a square number.
+        Of the grid, a square number; a renderer's `spp` goes before it.
     """
     if name == "independent":
         return {"type": "independent"}
-    count = samples if name == "grid" else 1
-    return {"type": "stratified", "sample_count": count, "jitter": False}
+    count = 1 if name == "centre" else samples
+    return {"type": "stratified", "sample_count": count, "jitter": name == "jittered"}
