@@ -86,7 +86,7 @@ def _check(responses: pd.DataFrame, study: Study) -> None:
 
 def _answers(answers: pd.Series, study: Study) -> pd.Series:
     numbers = pd.to_numeric(answers, errors="coerce")
-    choices = study.stimuli.choices
+    choices = study.choices
     possible = answers.isna() | numbers.between(1, choices) & (numbers % 1 == 0)
     if not possible.all():
         raise InputError(

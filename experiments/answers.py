@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from algorithms.errors import InputError
 from experiments.responses import Input, Response, Session, now, response_id
 from experiments.study import Study
-from experiments.trials import Answer, Assignment, planned_trials
+from experiments.trials import Answer, Assignment, Trial, planned_trials
 from stimuli.manifest import StimulusSet
 
 
@@ -36,7 +36,7 @@ def make_response(
     study, stimuli, session
         What is run.
     trial_index, answer
-        Which trial, and the label chosen (None: no answer in time).
+        Which trial, and the answer (`experiments.trials.Answer`; None: no answer in time).
     measured
         What the runner measured.
 
@@ -48,12 +48,11 @@ def make_response(
     trials = planned_trials(study, stimuli, Assignment(session.participant_number))
     if not 0 <= trial_index < len(trials):
         raise InputError(f"trial_index: {trial_index} given, 0 to {len(trials) - 1} accepted")
-    choices = study.stimuli.choices
-    if answer is None and study.timing.time_limit_s is None:
-        raise InputError(f"answer: none given, 1 to {choices} accepted")
-    if answer is not None and not 1 <= answer <= choices:
-        raise InputError(f"answer: {answer} given, 1 to {choices} accepted")
     trial = trials[trial_index]
+    if answer is None and study.timing.time_limit_s is None:
+        raise InputError(f"answer: none given, {accepted_answers(study, trial)} accepted")
+    if answer is not None and not is_possible(study, trial, answer):
+        raise InputError(f"answer: {answer} given, {accepted_answers(study, trial)} accepted")
     return Response(
         id=response_id(session.id, trial_index),
         study=study.name,
@@ -72,3 +71,29 @@ def make_response(
         recorded_at=now(),
         **vars(measured),
     )
+
+
+def is_possible(study: Study, trial: Trial, answer: Answer) -> bool:
+    """Return whether an answer is one that the trial's task allows."""
+    if study.task == "ranking":
+        ranks = range(1, len(trial.stimuli) + 1)
+        return isinstance(answer, tuple) and sorted(answer) == list(ranks)
+    lowest, highest = _bounds(study)
+    return isinstance(answer, int) and lowest <= answer <= highest
+
+
+def accepted_answers(study: Study, trial: Trial) -> str:
+    """Say in words which answers a trial's task allows.
+
+    The words fit the sentence `... given, 1 to 8 accepted`.
+    """
+    if study.task == "ranking":
+        return f"the ranks 1 to {len(trial.stimuli)}, each once,"
+    lowest, highest = _bounds(study)
+    return f"{lowest} to {highest}"
+
+
+def _bounds(study: Study) -> tuple[int, int]:
+    if study.task == "yes-no":
+        return 0, 1
+    return 1, study.stimuli.choices or 2

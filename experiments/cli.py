@@ -1,6 +1,7 @@
 """The commands of `trompe study`."""
 
 import json
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -56,7 +57,7 @@ def check(
         "study": loaded.name,
         "version": loaded.version,
         "task": loaded.task,
-        "chance": loaded.guess_rate,
+        "chance": None if math.isnan(loaded.guess_rate) else loaded.guess_rate,
         "digest": loaded.digest,
     }
     if stimuli is not None:
@@ -108,14 +109,33 @@ def simulate(
     salience: Annotated[
         str | None, typer.Option(help="How much labels draw guesses, 5=3,2=2; the others have 1.")
     ] = None,
+    qualities: Annotated[
+        str | None, typer.Option(help="In comparisons, of each item in JOD: a=0,b=1.5.")
+    ] = None,
+    spread: Annotated[float, typer.Option(help="Of participants' qualities, in JOD.")] = 0.0,
+    position_bias: Annotated[float, typer.Option(help="Of the first place, in JOD.")] = 0.0,
     seed: Annotated[int, typer.Option(min=0, help="Fixes every random choice.")] = 2011,
     concurrency: Annotated[int, typer.Option(min=1, help="How many at the same time.")] = 4,
     as_json: Json = False,
 ) -> None:
-    """Let simulated observers take a study through the real web interface."""
+    """Let simulated observers take a study, through the real web interface where it shows it."""
     from experiments.observers import Observer
     from experiments.web.simulate import simulate_over_http
 
+    loaded = load_study(study)
+    stimulus_set = _verified(loaded, stimuli)
+    generator = np.random.default_rng(seed)
+    if loaded.task != "odd-one-out":
+        count = _simulate_comparisons(
+            loaded,
+            stimulus_set,
+            data,
+            participants,
+            (qualities, spread, position_bias, lapse_rate),
+            generator,
+        )
+        _print_facts({"simulated_sessions": count, "seed": seed}, as_json)
+        return
     observer = Observer(
         threshold=_threshold_of(threshold),
         width=width,
@@ -123,8 +143,6 @@ def simulate(
         condition=condition,
         salience=_salience_of(salience),
     )
-    loaded = load_study(study)
-    stimulus_set = _verified(loaded, stimuli)
     with _server_for(url, data, loaded, stimulus_set) as address, _progress(participants) as bar:
         sessions = simulate_over_http(
             address,
@@ -132,7 +150,7 @@ def simulate(
             observer,
             loaded,
             stimulus_set,
-            np.random.default_rng(seed),
+            generator,
             concurrency=concurrency,
             on_completed=lambda _: bar.advance(bar.task_ids[0]),
         )
@@ -215,6 +233,25 @@ def run_lab(
             "left early; the same command goes on" if session.completed_at is None else "completed"
         )
         typer.echo(f"session {session.id}: {ended}")
+
+
+def _simulate_comparisons(
+    study: Study,
+    stimuli: StimulusSet,
+    data: Path | None,
+    participants: int,
+    observer: tuple[str | None, float, float, float],
+    generator: np.random.Generator,
+) -> int:
+    from experiments.item_observers import ItemObserver, simulate_comparisons
+    from experiments.store import Store
+
+    qualities, spread, position_bias, lapse_rate = observer
+    if data is None or qualities is None:
+        raise InputError(f"data, qualities: both are needed to simulate {study.task}")
+    given = ItemObserver(_pairs("qualities", qualities), spread, position_bias, 0.0, lapse_rate)
+    with Store.open(data) as store:
+        return len(simulate_comparisons(study, stimuli, store, given, participants, generator))
 
 
 def _verified(study: Study, folder: Path) -> StimulusSet:

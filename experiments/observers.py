@@ -99,7 +99,7 @@ class Observer:
             Where chance comes from.
         """
         shown = _Shown.of(study, [stimulus], self)
-        labels, times_s = _answer_all(self, study.stimuli.choices, shown, generator)
+        labels, times_s = _answer_all(self, study.choices, shown, generator)
         return int(labels[0]), float(times_s[0])
 
     def describe(self) -> str:
@@ -162,7 +162,7 @@ def simulate_responses(
     number_of = {stimulus.id: number for number, stimulus in enumerate(stimuli.stimuli)}
     shown = _Shown.of(study, stimuli.stimuli, observer)
     order = [number_of[trial.stimuli[0]] for plan in plans for trial in plan]
-    labels, times_s = _answer_all(observer, study.stimuli.choices, shown.take(order), generator)
+    labels, times_s = _answer_all(observer, study.choices, shown.take(order), generator)
     return _frame(study, stimuli, observer, plans, labels, times_s)
 
 

@@ -228,7 +228,7 @@ class Store:
             if row is None:
                 connection.execute(tables.responses.insert().values(values))
                 return True
-        if all(getattr(row, key) == values[key] for key in _IDENTITY):
+        if all(_plain(getattr(row, key)) == _plain(values[key]) for key in _IDENTITY):
             return False
         raise ConflictError(f"answer: trial {response.trial_index} already has another answer")
 
@@ -238,7 +238,7 @@ class Store:
             tables.responses.c.session == session
         )
         with self._transaction() as connection:
-            return {row.trial_index: row.answer for row in connection.execute(query)}
+            return {row.trial_index: _plain(row.answer) for row in connection.execute(query)}
 
     def answer_counts(self, study: str) -> dict[str, tuple[int, str]]:
         """Return how many answers each session of a study has, and when the last one came."""
@@ -284,7 +284,7 @@ class Store:
             query = query.where(tables.responses.c.study == study)
         with self._transaction() as connection:
             return [
-                Response(**{**row._mapping, "stimuli": tuple(row.stimuli)})
+                Response(**{name: _plain(value) for name, value in row._mapping.items()})
                 for row in connection.execute(query)
             ]
 
@@ -334,6 +334,11 @@ def _next_number(connection: Connection, study: str) -> int:
 
 def _session_of(row: sa.Row[tuple[Any, ...]]) -> Session:
     return Session(**{field.name: getattr(row, field.name) for field in fields(Session)})
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401  # any column
+    """Return a column's value as the rows have it: JSON knows no tuples."""
+    return tuple(value) if isinstance(value, list) else value
 
 
 def _hash(token: str) -> str:

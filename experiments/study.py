@@ -1,18 +1,37 @@
 """The study file: one TOML file that the lab, the web and simulated observers all run."""
 
 import hashlib
+import math
 import tomllib
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    StringConstraints,
+    ValidationError,
+    model_validator,
+)
 
-from algorithms.errors import InputError
+from algorithms.errors import InputError, UnavailableError
 from stimuli.manifest import StimulusSet, first_fault
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
 Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
 DemographicsField = Literal["age", "gender", "artistic_background"]
+
+Task = Literal["odd-one-out", "two-alternative", "yes-no", "ranking"]
+
+# A task compares single images, pairs of them, or whole sets.
+_DESIGN_OF_TASK: dict[Task, str] = {
+    "odd-one-out": "factorial",
+    "yes-no": "factorial",
+    "two-alternative": "pairs",
+    "ranking": "sets",
+}
+_PRESENTED: tuple[Task, ...] = ("odd-one-out",)
 
 READY_MADE = Path(__file__).parent / "studies"
 
@@ -29,7 +48,12 @@ class Stimuli(_Part):
     set
         The name of the stimulus set (`trompe stimuli make SET DIR` makes it).
     choices
-        How many objects a participant can choose among; chance is 1 / choices.
+        How many objects a participant can choose among in `odd-one-out`; chance is 1 / choices.
+    item
+        The factor whose levels are compared in `two-alternative` and `ranking`, and judged in
+        `yes-no`: for instance the method that made an image.
+    within
+        The factors that are equal for all images that are compared at once.
     level
         The factor whose threshold is sought, or None.
     level_unit
@@ -41,7 +65,9 @@ class Stimuli(_Part):
     """
 
     set: Name
-    choices: int = Field(ge=2, le=9)
+    choices: int | None = Field(default=None, ge=2, le=9)
+    item: str | None = None
+    within: tuple[str, ...] = ()
     level: str | None = None
     level_unit: str = ""
     conditions: tuple[str, ...] = ()
@@ -54,14 +80,16 @@ class Design(_Part):
     Attributes
     ----------
     kind
-        `factorial`: every main stimulus, in an order of its own for every participant.
+        `factorial`: every main stimulus; `pairs`: every pair of items within the same levels of
+        the other factors, left and right balanced; `sets`: all such items at once. The order is
+        another one for every participant.
     repeats
-        How often each stimulus is shown; no image follows itself.
+        How often each stimulus, pair or set is shown; no image follows itself where that can be.
     seed
         With the participant's number it fixes every order.
     """
 
-    kind: Literal["factorial"] = "factorial"
+    kind: Literal["factorial", "pairs", "sets"] = "factorial"
     repeats: int = Field(default=1, ge=1, le=100)
     seed: int = Field(ge=0)
 
@@ -130,7 +158,7 @@ class Study(_Part):
     name: Name
     title: Text
     version: int = Field(ge=1)
-    task: Literal["odd-one-out"]
+    task: Task
     question: Text
     instructions: tuple[Text, ...] = ()
     language: Literal["en"] = "en"
@@ -146,13 +174,48 @@ class Study(_Part):
 
     @property
     def digest(self) -> str:
-        """The SHA-256 of everything the study says, whatever the layout of its file."""
-        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
+        """The SHA-256 of everything the study says, whatever the layout of its file.
+
+        Keys that came later are left out while they say nothing: an older study stays the same.
+        """
+        said_nothing = {key for key in ("item", "within") if not getattr(self.stimuli, key)}
+        content = self.model_dump_json(exclude={"stimuli": said_nothing})
+        return hashlib.sha256(content.encode()).hexdigest()
 
     @property
     def guess_rate(self) -> float:
-        """The share of right answers by chance."""
-        return 1 / self.stimuli.choices
+        """The share of right answers, or of one of two answers, by chance; NaN for rankings."""
+        if self.task == "ranking":
+            return math.nan
+        return 1 / (self.stimuli.choices or 2)
+
+    @property
+    def choices(self) -> int:
+        """How many objects there are to choose among: of `odd-one-out` studies only."""
+        if self.stimuli.choices is None:
+            raise InputError(f"task: {self.task} given, odd-one-out accepted")
+        return self.stimuli.choices
+
+    @model_validator(mode="after")
+    def _check_task(self) -> Self:
+        """Refuse what the task needs and the study lacks, and what the task has no use for."""
+        wanted = _DESIGN_OF_TASK[self.task]
+        if self.design.kind != wanted:
+            raise ValueError(
+                f"design.kind: {self.design.kind!r} given, the task {self.task} takes {wanted!r}"
+            )
+        chooses = self.task == "odd-one-out"
+        for key, given, needed in (
+            ("choices", self.stimuli.choices, chooses),
+            ("item", self.stimuli.item, not chooses),
+        ):
+            if needed and given is None:
+                raise ValueError(f"stimuli.{key}: missing")
+            if not needed and given is not None:
+                raise ValueError(f"stimuli.{key}: the task {self.task} has no use for it")
+        if self.stimuli.within and wanted == "factorial":
+            raise ValueError(f"stimuli.within: the task {self.task} has no use for it")
+        return self
 
 
 def load_study(path: str | Path) -> Study:
@@ -204,6 +267,8 @@ def check_stimuli(study: Study, stimuli: StimulusSet) -> None:
     for key, names in (
         ("level", [study.stimuli.level] if study.stimuli.level else []),
         ("conditions", study.stimuli.conditions),
+        ("item", [study.stimuli.item] if study.stimuli.item else []),
+        ("within", study.stimuli.within),
     ):
         for name in names:
             _require(name in factors, f"stimuli.{key}", name, f"the factors {', '.join(factors)}")
@@ -213,13 +278,33 @@ def check_stimuli(study: Study, stimuli: StimulusSet) -> None:
         study.practice.trials,
         f"{len(practice)} practice stimuli",
     )
+    if study.task == "odd-one-out":
+        _check_regions(study, stimuli)
+
+
+def check_presented(study: Study, runner: str) -> None:
+    """Check that a runner can show a study's task.
+
+    Raises
+    ------
+    UnavailableError
+        If it cannot yet.
+    """
+    if study.task not in _PRESENTED:
+        raise UnavailableError(
+            f"task: the {runner} runner does not show {study.task} yet; simulated observers take"
+            " it, and answers that were collected elsewhere can be analysed"
+        )
+
+
+def _check_regions(study: Study, stimuli: StimulusSet) -> None:
     _require(
         study.stimuli.choices == len(stimuli.objects),
         "stimuli.choices",
         study.stimuli.choices,
         f"{len(stimuli.objects)} objects",
     )
-    for stimulus in (*main, *practice):
+    for stimulus in (*stimuli.with_role("main"), *stimuli.with_role("practice")):
         if stimulus.regions is None:
             raise InputError(f"stimuli.set: {stimulus.id} of the set has no regions to choose from")
 

@@ -18,7 +18,7 @@ from experiments.lab.psychopy_files import PsychoPyFiles
 from experiments.lab.window import LabWindow, WindowSettings
 from experiments.responses import Session
 from experiments.store import NewSession, Store, check_participant
-from experiments.study import Study, check_stimuli
+from experiments.study import Study, check_presented, check_stimuli
 from experiments.trials import Answer, Assignment, Trial, next_trial, planned_trials
 from stimuli.manifest import StimulusSet
 
@@ -73,6 +73,7 @@ def run_lab(
     UnavailableError
         If PsychoPy or a display is missing.
     """
+    check_presented(study, "lab")
     check_stimuli(study, stimuli)
     earlier = unfinished_session(study, stimuli, store, participant)
     asked: Mapping[str, Any] = {}

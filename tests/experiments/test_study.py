@@ -102,7 +102,7 @@ def test_the_digest_is_of_what_is_said_not_of_the_layout(
 
 
 def test_chance_is_one_in_the_number_of_choices(study: Study) -> None:
-    assert study.guess_rate == 1 / study.stimuli.choices
+    assert study.guess_rate == 1 / study.choices
 
 
 def test_the_template_is_a_study_of_its_name(tmp_path: Path, drawn_set: StimulusSet) -> None:

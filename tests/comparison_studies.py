@@ -1,0 +1,26 @@
+"""Studies of comparisons, made from the ready-made one for the drawn set.
+
+The items are the three placements; within a level and a material they are compared with each other.
+"""
+
+from typing import Any
+
+from experiments.study import Study, Task
+
+ITEMS = ("front", "back", "front-back")
+
+
+def comparison_study(study: Study, task: Task, **design: Any) -> Study:  # noqa: ANN401
+    """Return a study of another task about the same images."""
+    kinds = {"two-alternative": "pairs", "ranking": "sets", "yes-no": "factorial"}
+    within = [] if task == "yes-no" else ["divergence_deg", "material"]
+    stimuli = {"set": "divergence", "item": "placement", "within": within}
+    content = study.model_dump(mode="json") | {
+        "name": task,
+        "task": task,
+        "question": "Which image looks more real?",
+        "stimuli": stimuli | {"conditions": ["material"]},
+        "design": {"kind": kinds[task], "seed": 5, **design},
+        "practice": {"trials": 0},
+    }
+    return Study.model_validate(content)
