@@ -48,7 +48,7 @@ def trial_table(responses: pd.DataFrame, study: Study, stimuli: StimulusSet) -> 
         If a column is missing, there are no rows, the study has no level, or a row belongs to
         another study, names an unknown stimulus, or has an impossible answer or time.
     """
-    _check(responses, study)
+    check_responses(responses, study)
     main = responses[responses["phase"] == "main"]
     if main.empty:
         raise InputError(f"responses: nothing to analyse yet, no main trial of {study.name}")
@@ -66,7 +66,14 @@ def trial_table(responses: pd.DataFrame, study: Study, stimuli: StimulusSet) -> 
     return table.drop(columns="known")
 
 
-def _check(responses: pd.DataFrame, study: Study) -> None:
+def check_responses(responses: pd.DataFrame, study: Study) -> None:
+    """Check that a table has the columns of responses, and rows of the study alone.
+
+    Raises
+    ------
+    InputError
+        If it has not, or a time is impossible.
+    """
     missing = [name for name in _NEEDED if name not in responses.columns]
     if missing:
         raise InputError(f"responses: the column {missing[0]} is missing")
