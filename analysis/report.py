@@ -12,12 +12,11 @@ from algorithms.files import make_folder, write_atomically
 from analysis.chance import ChanceLimit
 from analysis.estimates import Estimate, to_json
 from analysis.exclusions import Who
-from analysis.figures import study_figures
 from analysis.figures.style import SIMULATED_TEXT, figure_bytes
+from analysis.naming import level_name
 from analysis.participants import describe_participants
 from analysis.study_analysis import StudyAnalysis, analyse_study
 from analysis.tables import study_tables
-from analysis.verdict import level_name, verdict
 from experiments.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
@@ -133,12 +132,12 @@ def write_report(analysis: StudyAnalysis, folder: Path) -> Path:
     for name, table in study_tables(analysis).items():
         content = table.to_csv(index=False, lineterminator="\n")
         write_atomically(tables_folder / f"{name}.csv", content.encode())
-    figures = study_figures(analysis)
+    figures = analysis.figures()
     drawings = {name: figure_bytes(figure, "svg") for name, figure in figures.items()}
     for name, figure in figures.items():
         write_atomically(figures_folder / f"{name}.svg", drawings[name])
         write_atomically(figures_folder / f"{name}.png", figure_bytes(figure, "png"))
-    results = to_json({"verdict": verdict(analysis), **analysis.summary()})
+    results = to_json({"verdict": analysis.sentences(), **analysis.summary()})
     write_atomically(folder / RESULTS_NAME, results.encode())
     report = folder / REPORT_NAME
     write_atomically(report, render(analysis, drawings).encode())
@@ -153,7 +152,7 @@ def render(analysis: StudyAnalysis, drawings: Mapping[str, bytes]) -> str:
     analysis
         What it tells.
     drawings
-        The SVG of each figure of `analysis.figures.study_figures`.
+        The SVG of each figure of `analysis.figures()`.
     """
     return _TEMPLATES.get_template("report.html").render(
         analysis=analysis,
@@ -161,8 +160,8 @@ def render(analysis: StudyAnalysis, drawings: Mapping[str, bytes]) -> str:
         stimuli=analysis.stimuli,
         people="" if analysis.simulated else describe_participants(analysis.sessions),
         flow=analysis.flow.to_frame().to_dict("records"),
-        sentences=verdict(analysis),
-        level=level_name(analysis),
+        sentences=analysis.sentences(),
+        level=level_name(analysis.study),
         unit=analysis.study.stimuli.level_unit,
         unanswered=int(analysis.trials["answer"].isna().sum()),
         tables=sorted(study_tables(analysis)),

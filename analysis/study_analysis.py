@@ -1,30 +1,29 @@
-"""The whole analysis of a study: from the rows of a store to its results."""
+"""The analysis of a study: from the rows of a store to the results of its task."""
 
-from collections.abc import Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib import metadata
+from importlib import import_module, metadata
+from typing import TYPE_CHECKING, ClassVar, Final, Protocol, cast
 
-import numpy as np
 import pandas as pd
 
 from algorithms.errors import InputError
 from analysis.estimates import software_version
 from analysis.exclusions import Flow, Who, apply_rule, select_sessions
-from analysis.groups import GroupThreshold, condition_splits, group_thresholds
-from analysis.hits import HitRates, hit_rates
-from analysis.salience import Salience, object_salience
-from analysis.times import AnswerTimes, answer_times
-from analysis.trials import trial_table
 from experiments.responses import Event, Response, Session, responses_frame
-from experiments.study import Study
+from experiments.study import Study, Task
 from stimuli.manifest import StimulusSet
 
-_LIBRARIES = ("numpy", "scipy", "pandas", "psignifit", "matplotlib")
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_LIBRARIES = ("numpy", "scipy", "pandas", "psignifit", "statsmodels", "matplotlib")
 
 
 @dataclass(frozen=True)
-class StudyAnalysis:
-    """Everything that a report says.
+class Collected:
+    """What every analysis starts from.
 
     Attributes
     ----------
@@ -35,13 +34,7 @@ class StudyAnalysis:
     sessions
         Those that are analysed.
     trials
-        The analysed trials (`analysis.trial_table`).
-    thresholds
-        For all trials, each condition and the conditions crossed.
-    hits
-        Hit rates by level alone, by level and each condition, and by level and all conditions.
-    salience, times
-        None where there are no controls, or no times.
+        The analysed trials: the table that the task makes of the answers.
     seed
         Of every random draw.
     versions
@@ -53,10 +46,6 @@ class StudyAnalysis:
     flow: Flow
     sessions: tuple[Session, ...]
     trials: pd.DataFrame
-    thresholds: tuple[GroupThreshold, ...]
-    hits: tuple[HitRates, ...]
-    salience: Salience | None
-    times: AnswerTimes | None
     seed: int
     versions: dict[str, str]
 
@@ -65,18 +54,35 @@ class StudyAnalysis:
         """Whether programs answered, not people."""
         return self.flow.who == "simulated"
 
-    @property
-    def overall(self) -> GroupThreshold:
-        """The thresholds over all trials."""
-        return self.thresholds[0]
 
-    def hits_of(self, group: GroupThreshold) -> pd.DataFrame:
-        """Return the hit rates of a group by level: what its psychometric function fits."""
-        by = ("level", *group.conditions)
-        table = next(rates.table for rates in self.hits if rates.by == by)
-        for name, value in group.conditions.items():
-            table = table[table[name].astype(str) == value]
-        return table
+@dataclass(frozen=True)
+class StudyAnalysis(Collected, ABC):
+    """Everything that a report says; each task has its own kind.
+
+    Attributes
+    ----------
+    template
+        The stem of the report's templates for this task: `STEM.html` shows the results,
+        `STEM-methods.html` tells how they were computed.
+    """
+
+    template: ClassVar[str]
+
+    @abstractmethod
+    def findings(self) -> Mapping[str, object]:
+        """Return the results by name, for JSON."""
+
+    @abstractmethod
+    def sentences(self) -> list[str]:
+        """Return the results in plain sentences; what programs answered is not told of people."""
+
+    @abstractmethod
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Return the tables that are written beside a report, by name."""
+
+    @abstractmethod
+    def figures(self) -> "dict[str, Figure]":
+        """Return every figure that the answers allow, by name."""
 
     def summary(self) -> dict[str, object]:
         """Return the results without the single trials, for JSON."""
@@ -86,17 +92,30 @@ class StudyAnalysis:
             "study_digest": self.study.digest,
             "stimuli": self.stimuli.name,
             "stimuli_digest": self.stimuli.digest,
+            "task": self.study.task,
             "simulated": self.simulated,
             "flow": self.flow,
-            "level": self.study.stimuli.level,
-            "level_unit": self.study.stimuli.level_unit,
-            "thresholds": [{"group": group.label, **vars(group)} for group in self.thresholds],
-            "hit_rates": self.hits[-1],
-            "salience": self.salience,
-            "times": self.times,
+            **self.findings(),
             "seed": self.seed,
             "versions": self.versions,
         }
+
+
+class TaskModule(Protocol):
+    """What a module of `analysis.tasks` offers."""
+
+    def trials(self, responses: pd.DataFrame, study: Study, stimuli: StimulusSet) -> pd.DataFrame:
+        """Join answers with what was shown: one row a main trial."""
+        ...
+
+    def analyse(self, collected: Collected) -> StudyAnalysis:
+        """Compute the results."""
+        ...
+
+
+_MODULES: Final[Mapping[Task, str]] = {
+    "odd-one-out": "odd_one_out",
+}
 
 
 def analyse_study(
@@ -130,12 +149,17 @@ def analyse_study(
     InputError
         If nothing is left to analyse, or rows do not belong to study and stimuli.
     """
+    if seed < 0:
+        raise InputError(f"seed: {seed} given, 0 or more accepted")
     version = (study.digest, stimuli.digest)
     current = [one for one in sessions if (one.study_digest, one.stimuli_digest) == version]
     chosen, who, left_out = select_sessions(current, who, include_pilot=include_pilot)
     if len(current) < len(sessions):
         left_out["of other versions of the study or its stimuli"] = len(sessions) - len(current)
-    table = _table_of(chosen, responses, study, stimuli)
+    task = _module(study)
+    ids = {one.id for one in chosen}
+    answers = responses_frame([each for each in responses if each.session in ids])
+    table = task.trials(answers, study, stimuli)
     excluded = apply_rule(study.exclusion, chosen, table, events)
     gone = {one.participant for one in excluded}
     kept = table[~table["participant"].isin(gone)].reset_index(drop=True)
@@ -154,54 +178,12 @@ def analyse_study(
             " none is left after the exclusions"
         )
     analysed = tuple(one for one in chosen if one.participant not in gone)
-    return _analyse_trials(study, stimuli, flow, analysed, kept, seed)
+    return task.analyse(Collected(study, stimuli, flow, analysed, kept, seed, _versions()))
 
 
-def _table_of(
-    sessions: Sequence[Session],
-    responses: Sequence[Response],
-    study: Study,
-    stimuli: StimulusSet,
-) -> pd.DataFrame:
-    ids = {one.id for one in sessions}
-    return trial_table(responses_frame([r for r in responses if r.session in ids]), study, stimuli)
-
-
-def _analyse_trials(
-    study: Study,
-    stimuli: StimulusSet,
-    flow: Flow,
-    sessions: tuple[Session, ...],
-    trials: pd.DataFrame,
-    seed: int,
-) -> StudyAnalysis:
-    if seed < 0:
-        raise InputError(f"seed: {seed} given, 0 or more accepted")
-    # One generator a result: adding one changes no other.
-    for_hits, for_salience, for_times = np.random.default_rng(seed).spawn(3)
-    conditions, guess_rate = study.stimuli.conditions, study.guess_rate
-    answered = trials["answer"].notna()
-    has_controls = bool((trials["control"] & answered).any())
-    has_times = bool((trials["reaction_time_s"].notna() & answered).any())
-    split = conditions[:1]
-    return StudyAnalysis(
-        study=study,
-        stimuli=stimuli,
-        flow=flow,
-        sessions=sessions,
-        trials=trials,
-        thresholds=group_thresholds(trials, conditions, guess_rate),
-        hits=tuple(
-            hit_rates(trials, ("level", *names), guess_rate, for_hits)
-            for names in condition_splits(conditions)
-        ),
-        salience=(
-            object_salience(trials, stimuli.objects, split, for_salience) if has_controls else None
-        ),
-        times=answer_times(trials, ("level", *split), for_times) if has_times else None,
-        seed=seed,
-        versions=_versions(),
-    )
+def _module(study: Study) -> TaskModule:
+    """Return the module of a study's task; it is loaded here, as it needs what stands above."""
+    return cast(TaskModule, import_module(f"analysis.tasks.{_MODULES[study.task]}"))
 
 
 def _versions() -> dict[str, str]:

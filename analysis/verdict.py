@@ -4,10 +4,11 @@ import math
 
 from analysis.estimates import Estimate
 from analysis.groups import GroupThreshold
-from analysis.study_analysis import StudyAnalysis
+from analysis.naming import level_name
+from analysis.tasks.odd_one_out import OddOneOutAnalysis
 
 
-def verdict(analysis: StudyAnalysis) -> list[str]:
+def verdict(analysis: OddOneOutAnalysis) -> list[str]:
     """Return what a study found, a sentence or two for each result.
 
     Parameters
@@ -17,7 +18,7 @@ def verdict(analysis: StudyAnalysis) -> list[str]:
     """
     who = "Simulated observers, not people," if analysis.simulated else "People"
     unit = analysis.study.stimuli.level_unit
-    name = level_name(analysis)
+    name = level_name(analysis.study)
     sentences = [_mid_point(who, name, unit, analysis.overall)]
     for condition in analysis.study.stimuli.conditions:
         groups = [g for g in analysis.thresholds if tuple(g.conditions) == (condition,)]
@@ -36,12 +37,6 @@ def verdict(analysis: StudyAnalysis) -> list[str]:
     if analysis.times is not None:
         sentences.append(f"The median answer took {analysis.times.median_s:.1f} s.")
     return sentences
-
-
-def level_name(analysis: StudyAnalysis) -> str:
-    """Return the study's level in words, such as `divergence`."""
-    level, unit = analysis.study.stimuli.level or "level", analysis.study.stimuli.level_unit
-    return level.removesuffix(f"_{unit}").replace("_", " ")
 
 
 def in_levels(estimate: Estimate, unit: str) -> str:

@@ -12,7 +12,7 @@ from analysis.figures.style import (
     new_figure,
     split_by,
 )
-from analysis.study_analysis import StudyAnalysis
+from analysis.tasks.odd_one_out import OddOneOutAnalysis
 
 _OFFSET_SHARE = 0.06  # of the step between levels: intervals of two series stay legible
 
@@ -42,7 +42,7 @@ def draw_hit_rates(axes: Axes, table: pd.DataFrame, series: str | None, guess_ra
     return axes
 
 
-def hit_rate_figure(analysis: StudyAnalysis) -> Figure:
+def hit_rate_figure(analysis: OddOneOutAnalysis) -> Figure:
     """Return hit rates by level: panels for the first condition, lines for the second."""
     conditions = analysis.study.stimuli.conditions
     panel_factor, series = (*conditions, None, None)[:2]

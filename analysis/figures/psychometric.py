@@ -13,7 +13,7 @@ from analysis.figures.style import (
     level_label,
     new_figure,
 )
-from analysis.study_analysis import StudyAnalysis
+from analysis.tasks.odd_one_out import OddOneOutAnalysis
 from analysis.thresholds import ThresholdFit
 
 _CURVE_POINTS = 400
@@ -62,7 +62,7 @@ def draw_psychometric(
     return axes
 
 
-def psychometric_figure(analysis: StudyAnalysis) -> Figure:
+def psychometric_figure(analysis: OddOneOutAnalysis) -> Figure:
     """Return the functions of all trials and of each value of the first condition."""
     groups = [
         group

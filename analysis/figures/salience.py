@@ -15,7 +15,7 @@ from analysis.figures.style import (
     split_by,
 )
 from analysis.salience import Salience
-from analysis.study_analysis import StudyAnalysis
+from analysis.tasks.odd_one_out import OddOneOutAnalysis
 
 
 def draw_choices(axes: Axes, choices: pd.DataFrame, series: str | None, chance: float) -> Axes:
@@ -56,7 +56,7 @@ def draw_fall(axes: Axes, salience: Salience) -> Axes:
     return axes
 
 
-def salience_figure(analysis: StudyAnalysis, salience: Salience) -> Figure:
+def salience_figure(analysis: OddOneOutAnalysis, salience: Salience) -> Figure:
     """Return the choices on control trials, and what becomes of the most frequent one."""
     split = (*analysis.study.stimuli.conditions, None)[0]
     choices = salience.choices

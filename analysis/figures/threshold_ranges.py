@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from analysis.figures.style import COLOURS, MARKERS, legend_below, level_label, new_figure
 from analysis.groups import GroupThreshold
-from analysis.study_analysis import StudyAnalysis
+from analysis.tasks.odd_one_out import OddOneOutAnalysis
 
 _HALF_GAP = 0.16  # between the two marks of a group, in rows
 
@@ -53,7 +53,7 @@ def draw_chance_limits(axes: Axes, groups: Sequence[GroupThreshold]) -> Axes:
     return axes
 
 
-def threshold_figure(analysis: StudyAnalysis) -> Figure:
+def threshold_figure(analysis: OddOneOutAnalysis) -> Figure:
     """Return both kinds of threshold of all groups, each kind in a panel of its own."""
     groups = analysis.thresholds
     figure, (left, right) = new_figure(2, analysis.simulated, height=1.8 + 0.26 * len(groups))

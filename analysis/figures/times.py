@@ -11,7 +11,7 @@ from analysis.figures.style import (
     new_figure,
     split_by,
 )
-from analysis.study_analysis import StudyAnalysis
+from analysis.tasks.odd_one_out import OddOneOutAnalysis
 from analysis.times import AnswerTimes
 
 
@@ -26,7 +26,7 @@ def draw_times(axes: Axes, times: AnswerTimes) -> Axes:
     return axes
 
 
-def times_figure(analysis: StudyAnalysis, times: AnswerTimes) -> Figure:
+def times_figure(analysis: OddOneOutAnalysis, times: AnswerTimes) -> Figure:
     """Return the time per answer over the levels."""
     figure, (axes,) = new_figure(1, analysis.simulated, width=5.0)
     draw_times(axes, times)

@@ -4,7 +4,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from analysis.figures import study_figures
 from analysis.figures.style import SIMULATED_TEXT, figure_bytes
 from analysis.study_analysis import StudyAnalysis, analyse_study
 from experiments.study import Study
@@ -22,29 +21,29 @@ def analysis(study: Study, drawn_set: StimulusSet) -> StudyAnalysis:
 
 def test_every_figure_bears_the_mark_iff_simulated(analysis: StudyAnalysis) -> None:
     people = replace(analysis, flow=replace(analysis.flow, who="people"))
-    assert sorted(study_figures(analysis)) == NAMES
-    for name, figure in study_figures(analysis).items():
+    assert sorted(analysis.figures()) == NAMES
+    for name, figure in analysis.figures().items():
         assert figure.get_suptitle() == SIMULATED_TEXT, name
-    for name, figure in study_figures(people).items():
+    for name, figure in people.figures().items():
         assert figure.get_suptitle() == "", name
 
 
 def test_svg_is_deterministic_and_dateless(analysis: StudyAnalysis) -> None:
     for name in NAMES:
-        first, second = (figure_bytes(study_figures(analysis)[name], "svg") for _ in range(2))
+        first, second = (figure_bytes(analysis.figures()[name], "svg") for _ in range(2))
         assert first == second
         assert b"<dc:date>" not in first
 
 
 def test_drawing_leaves_pyplot_alone(analysis: StudyAnalysis) -> None:
-    study_figures(analysis)
+    analysis.figures()
     assert plt.get_fignums() == []
 
 
 def test_psychometric_panels_show_chance_and_the_definition(
     analysis: StudyAnalysis, study: Study
 ) -> None:
-    axes = study_figures(analysis)["psychometric"].axes
+    axes = analysis.figures()["psychometric"].axes
     assert [one.get_title() for one in axes] == ["all", "front", "back", "front-back"]
     for one in axes:
         legend = one.get_legend()
@@ -57,7 +56,7 @@ def test_psychometric_panels_show_chance_and_the_definition(
 
 
 def test_the_two_kinds_of_threshold_have_panels_of_their_own(analysis: StudyAnalysis) -> None:
-    titles = [axes.get_title() for axes in study_figures(analysis)["thresholds"].axes]
+    titles = [axes.get_title() for axes in analysis.figures()["thresholds"].axes]
     assert titles == ["Mid-point of the function", "Largest level at chance"]
 
 
@@ -66,7 +65,7 @@ def test_figures_without_conditions(study: Study, drawn_set: StimulusSet) -> Non
     plain = study.model_copy(update={"stimuli": part})
     rows = rows_of(plain, drawn_set, 4, seed=1)
     result = analyse_study(plain, drawn_set, sessions_of(rows), responses_of(rows), seed=1)
-    figures = study_figures(result)
+    figures = result.figures()
     assert sorted(figures) == NAMES
     assert len(figures["hit-rates"].axes) == 1
     for figure in figures.values():

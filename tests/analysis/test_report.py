@@ -13,6 +13,7 @@ from algorithms.errors import InputError
 from analysis.report import analyse, write_report
 from analysis.study_analysis import StudyAnalysis, analyse_study
 from analysis.tables import study_tables
+from analysis.tasks.odd_one_out import OddOneOutAnalysis
 from experiments.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
@@ -31,8 +32,10 @@ def analysis(one_condition: Study, drawn_set: StimulusSet) -> StudyAnalysis:
     return analysis_of(rows_of(one_condition, drawn_set, 3, seed=1), one_condition, drawn_set)
 
 
-def analysis_of(rows: pd.DataFrame, study: Study, stimuli: StimulusSet) -> StudyAnalysis:
-    return analyse_study(study, stimuli, sessions_of(rows), responses_of(rows), seed=1)
+def analysis_of(rows: pd.DataFrame, study: Study, stimuli: StimulusSet) -> OddOneOutAnalysis:
+    analysis = analyse_study(study, stimuli, sessions_of(rows), responses_of(rows), seed=1)
+    assert isinstance(analysis, OddOneOutAnalysis)
+    return analysis
 
 
 def figures_of(page: str) -> list[str]:

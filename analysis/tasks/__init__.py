@@ -1,0 +1,1 @@
+"""One file for each task: from its answers to its results, sentences, tables and figures."""
