@@ -73,7 +73,7 @@ def demo(
                 for who, link in web.links(url, study, store).items():
                     _say(who, link)
                 _say("serving", "take the study yourself; Ctrl-C ends. Then see your own answers:")
-                _say("", f"{sys.argv[0]} analyse {data} {folder / 'my-report'}")
+                _say("", f"{sys.argv[0]} analyse {data} --out {folder / 'my-report'}")
                 threading.Event().wait()
 
 

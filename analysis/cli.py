@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from algorithms.errors import InputError
+
 if TYPE_CHECKING:
     from analysis.exclusions import Who
 
@@ -14,8 +16,10 @@ _DEFAULT_SEED = 1
 
 
 def analyse(
-    data: Annotated[str, typer.Argument(help="The response store, a SQLite file.")],
-    out: Annotated[Path, typer.Argument(help="The folder of the report; made if missing.")],
+    data: Annotated[
+        str, typer.Argument(help="The response store (a SQLite file), or the folder of a bundle.")
+    ],
+    out: Annotated[Path, typer.Option(help="The folder of the report; made if missing.")],
     study: Annotated[
         str | None, typer.Option(help="The study's name, if the store holds several.")
     ] = None,
@@ -28,12 +32,20 @@ def analyse(
         ),
     ] = None,
     pilot: Annotated[bool, typer.Option("--pilot", help="Count pilot sessions too.")] = False,
+    check: Annotated[
+        bool, typer.Option("--check", help="Only compare the report in --out with a new analysis.")
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Machine-readable output.")] = False,
 ) -> None:
     """Analyse a study: tables, figures and one report.html that opens without a network."""
-    from analysis.report import RESULTS_NAME
+    from analysis.report import RESULTS_NAME, differences
     from analysis.report import analyse as write_analysis
 
+    if check:
+        if found := differences(data, out):
+            raise InputError(f"{out}: other results than before: {', '.join(found)}")
+        typer.echo("the same numbers")
+        return
     who: Who | None = None if simulated is None else "simulated" if simulated else "people"
     report = write_analysis(data, out, study, seed, who, include_pilot=pilot)
     results = json.loads((out / RESULTS_NAME).read_text(encoding="utf-8"))

@@ -1,6 +1,7 @@
 """One page that holds a study's results and opens without a network."""
 
 import base64
+import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -17,9 +18,7 @@ from analysis.naming import level_name
 from analysis.participants import describe_participants
 from analysis.study_analysis import StudyAnalysis, analyse_study
 from analysis.tables import study_tables
-from experiments.store import Store
-from experiments.study import Study
-from stimuli.manifest import StimulusSet
+from experiments.collection import load_collection
 
 REPORT_NAME = "report.html"
 RESULTS_NAME = "results.json"
@@ -67,7 +66,7 @@ _TEMPLATES.filters |= {
 
 
 def analyse(
-    store_path: str | Path,
+    source: str | Path,
     out_folder: str | Path,
     study: str | None = None,
     seed: int = DEFAULT_SEED,
@@ -75,12 +74,12 @@ def analyse(
     *,
     include_pilot: bool = False,
 ) -> Path:
-    """Analyse a study of a response store and write the report, its tables and its figures.
+    """Analyse what was collected in a study and write the report, its tables and its figures.
 
     Parameters
     ----------
-    store_path
-        A SQLite file, or the SQLAlchemy URL of one.
+    source
+        A SQLite file, the SQLAlchemy URL of a store, or the folder of a bundle.
     out_folder
         Where `report.html`, `results.json`, `tables/*.csv` and `figures/*.svg` and `*.png` go; it
         is made where it does not exist, and files of these names are replaced.
@@ -104,19 +103,60 @@ def analyse(
     InputError
         If there is no store, no such study, nothing to analyse yet, or the folder is not writable.
     """
-    with Store.open(store_path, must_exist=True) as store:
-        chosen, stimuli = _registered(store, study)
-        analysis = analyse_study(
-            chosen,
-            stimuli,
-            store.sessions(study=chosen.name),
-            store.responses(study=chosen.name),
-            seed,
-            store.events(study=chosen.name),
-            who,
-            include_pilot=include_pilot,
-        )
+    analysis = _analysis_of(source, study, seed, who, include_pilot=include_pilot)
     return write_report(analysis, Path(out_folder))
+
+
+def differences(source: str | Path, out_folder: str | Path) -> list[str]:
+    """Analyse again what a report is about, and return the results that are not the same.
+
+    Parameters
+    ----------
+    source
+        What the report was made from.
+    out_folder
+        The report's folder; nothing in it is changed. Study, seed and whose answers count are
+        those of its `results.json`.
+
+    Returns
+    -------
+    The names of the results that differ, such as `thresholds` or `versions`; empty if none does.
+
+    Raises
+    ------
+    InputError
+        If there is no report, or nothing to analyse.
+    """
+    path = Path(out_folder) / RESULTS_NAME
+    try:
+        told = json.loads(path.read_bytes())
+        choices = told["study"], told["seed"], told["flow"]["who"], told["include_pilot"]
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise InputError(f"{path}: there is no report of this Trompe to compare with") from error
+    study, seed, who, include_pilot = choices
+    analysis = _analysis_of(source, study, seed, who, include_pilot=include_pilot)
+    again = json.loads(to_json(_results(analysis)))
+    return [name for name in {**told, **again} if told.get(name) != again.get(name)]
+
+
+def _analysis_of(
+    source: str | Path, study: str | None, seed: int, who: Who | None, *, include_pilot: bool
+) -> StudyAnalysis:
+    found = load_collection(source, study)
+    return analyse_study(
+        found.study,
+        found.stimuli,
+        found.sessions,
+        found.responses,
+        seed,
+        found.events,
+        who,
+        include_pilot=include_pilot,
+    )
+
+
+def _results(analysis: StudyAnalysis) -> dict[str, object]:
+    return {"verdict": analysis.sentences(), **analysis.summary()}
 
 
 def write_report(analysis: StudyAnalysis, folder: Path) -> Path:
@@ -137,8 +177,7 @@ def write_report(analysis: StudyAnalysis, folder: Path) -> Path:
     for name, figure in figures.items():
         write_atomically(figures_folder / f"{name}.svg", drawings[name])
         write_atomically(figures_folder / f"{name}.png", figure_bytes(figure, "png"))
-    results = to_json({"verdict": analysis.sentences(), **analysis.summary()})
-    write_atomically(folder / RESULTS_NAME, results.encode())
+    write_atomically(folder / RESULTS_NAME, to_json(_results(analysis)).encode())
     report = folder / REPORT_NAME
     write_atomically(report, render(analysis, drawings).encode())
     return report
@@ -172,19 +211,3 @@ def render(analysis: StudyAnalysis, drawings: Mapping[str, bytes]) -> str:
 
 def _data_uri(drawing: bytes) -> str:
     return f"data:image/svg+xml;base64,{base64.b64encode(drawing).decode()}"
-
-
-def _registered(store: Store, name: str | None) -> tuple[Study, StimulusSet]:
-    """Return the newest version of a study that has sessions, or the newest if none has."""
-    known = store.registered(name)
-    if not known:
-        names = sorted({study.name for study, _ in store.registered()})
-        if name is None or not names:
-            raise InputError("study: nothing to analyse yet, the store holds no study")
-        raise InputError(f"study: {name!r} given, the store holds: {', '.join(names)}")
-    names = sorted({study.name for study, _ in known})
-    if len(names) > 1:
-        raise InputError(f"study: the store holds {', '.join(names)}; name one of them")
-    used = {(one.study_digest, one.stimuli_digest) for one in store.sessions(study=names[0])}
-    with_sessions = [pair for pair in known if (pair[0].digest, pair[1].digest) in used]
-    return (with_sessions or known)[-1]

@@ -1,5 +1,6 @@
 """The analysis of a study: from the rows of a store to the results of its task."""
 
+import hashlib
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -37,6 +38,11 @@ class Collected:
         The analysed trials: the table that the task makes of the answers.
     seed
         Of every random draw.
+    include_pilot
+        Whether sessions that only tried the study out count.
+    answers_digest
+        The SHA-256 of the answers that were analysed: with the same ones, seed and versions the
+        results are the same.
     versions
         Of Trompe and the libraries that computed.
     """
@@ -47,6 +53,8 @@ class Collected:
     sessions: tuple[Session, ...]
     trials: pd.DataFrame
     seed: int
+    include_pilot: bool
+    answers_digest: str
     versions: dict[str, str]
 
     @property
@@ -97,6 +105,8 @@ class StudyAnalysis(Collected, ABC):
             "flow": self.flow,
             **self.findings(),
             "seed": self.seed,
+            "include_pilot": self.include_pilot,
+            "answers_digest": self.answers_digest,
             "versions": self.versions,
         }
 
@@ -178,12 +188,28 @@ def analyse_study(
             " none is left after the exclusions"
         )
     analysed = tuple(one for one in chosen if one.participant not in gone)
-    return task.analyse(Collected(study, stimuli, flow, analysed, kept, seed, _versions()))
+    return task.analyse(
+        Collected(
+            study=study,
+            stimuli=stimuli,
+            flow=flow,
+            sessions=analysed,
+            trials=kept,
+            seed=seed,
+            include_pilot=include_pilot,
+            answers_digest=_digest(kept),
+            versions=_versions(),
+        )
+    )
 
 
 def _module(study: Study) -> TaskModule:
     """Return the module of a study's task; it is loaded here, as it needs what stands above."""
     return cast(TaskModule, import_module(f"analysis.tasks.{_MODULES[study.task]}"))
+
+
+def _digest(table: pd.DataFrame) -> str:
+    return hashlib.sha256(table.to_csv(index=False).encode()).hexdigest()
 
 
 def _versions() -> dict[str, str]:

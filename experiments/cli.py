@@ -181,6 +181,18 @@ def export(
     write_atomically(output, text.encode())
 
 
+@app.command()
+def bundle(
+    data: Annotated[Path, typer.Argument(metavar="DATA", help="The response store.")],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="New or empty.")],
+    study: Annotated[str | None, typer.Option(help="If the store holds several.")] = None,
+) -> None:
+    """Write a study with all its answers as a folder that `trompe analyse` takes anywhere."""
+    from experiments.collection import load_collection, write_bundle
+
+    typer.echo(f"wrote {write_bundle(load_collection(data, study), folder)}")
+
+
 @app.command("run-lab")
 def run_lab(
     study: StudyFile,

@@ -95,7 +95,7 @@ def test_the_doctor_finds_nothing_where_there_is_nothing(
 
 
 def test_expected_errors_are_one_line_and_exit_status_2(tmp_path: Path) -> None:
-    completed = run("analyse", "nothing.sqlite", "report", cwd=tmp_path)
+    completed = run("analyse", "nothing.sqlite", "--out", "report", cwd=tmp_path)
     assert completed.returncode == 2
     assert completed.stdout == ""
     assert completed.stderr == "trompe: nothing.sqlite: there is no response store\n"

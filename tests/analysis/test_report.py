@@ -9,11 +9,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import trompe
 from algorithms.errors import InputError
-from analysis.report import analyse, write_report
+from analysis.report import analyse, differences, write_report
 from analysis.study_analysis import StudyAnalysis, analyse_study
 from analysis.tables import study_tables
 from analysis.tasks.odd_one_out import OddOneOutAnalysis
+from experiments.collection import load_collection, write_bundle
 from experiments.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
@@ -213,3 +215,26 @@ def test_unwritable_folder_is_one_clear_line(analysis: StudyAnalysis, tmp_path: 
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(InputError, match="not a folder that can be written to"):
         write_report(analysis, tmp_path / "file")
+
+
+def test_the_same_answers_give_the_same_numbers(
+    folders: dict[str, Path], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    # Property: analysed again, from the store or from a bundle of it; and what differs is named.
+    data = folders["people"].parent / "responses.sqlite"
+    bundle = tmp_path / "bundle"
+    write_bundle(load_collection(data), bundle)
+    for source in (data, bundle):
+        assert differences(source, folders["people"]) == []
+    with pytest.raises(SystemExit) as ended:
+        trompe.main(["analyse", str(bundle), "--out", str(folders["people"]), "--check"])
+    assert ended.value.code == 0
+    assert capsys.readouterr().out == "the same numbers\n"
+    results = json.loads((folders["people"] / "results.json").read_text())
+    other = tmp_path / "report"
+    other.mkdir()
+    results["seed"] = 2
+    (other / "results.json").write_text(json.dumps(results))
+    assert differences(data, other) == ["hit_rates", "salience", "times"]
+    with pytest.raises(InputError, match="there is no report of this Trompe to compare with"):
+        differences(data, tmp_path)
