@@ -70,8 +70,7 @@ def cut_surface(mesh: Mesh, count: int, generator: np.random.Generator) -> Surfa
     The longest edge of a triangle is cut again and again until all are short (Rivara 1984), which
     leaves no triangle narrower than it found it.
     """
-    if not FEWEST_PIECES <= count <= MOST_PIECES:
-        raise InputError(f"points: {count} given, {FEWEST_PIECES} to {MOST_PIECES} accepted")
+    check_count(count)
     if len(mesh.faces) > MOST_PIECES:
         raise InputError(f"mesh: {len(mesh.faces)} faces given, {MOST_PIECES} or fewer accepted")
     area = surface_area(mesh)
@@ -81,6 +80,12 @@ def cut_surface(mesh: Mesh, count: int, generator: np.random.Generator) -> Surfa
     triangles = triangles[_areas(triangles) > 0]
     longest = _LONGEST_EDGE * float(np.sqrt(area / count))
     return _pieces(_cut(triangles, longest, generator))
+
+
+def check_count(count: int) -> None:
+    """Refuse a number of pieces that is out of range."""
+    if not FEWEST_PIECES <= count <= MOST_PIECES:
+        raise InputError(f"points: {count} given, {FEWEST_PIECES} to {MOST_PIECES} accepted")
 
 
 def surface_area(mesh: Mesh) -> float:

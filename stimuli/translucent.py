@@ -23,7 +23,7 @@ from stimuli.irradiance import entering_irradiance
 from stimuli.media import Medium
 from stimuli.mesh import Mesh, to_mitsuba
 from stimuli.power_octree import cluster
-from stimuli.surface_pieces import SurfacePieces, cut_surface, surface_area
+from stimuli.surface_pieces import SurfacePieces, check_count, cut_surface, surface_area
 from stimuli.translucent_integrator import translucent_integrator_class
 
 Image = NDArray[np.float32]
@@ -98,6 +98,8 @@ class TranslucentRenderer:
 
     Raises
     ------
+    InputError
+        If the number of points is out of range.
     UnavailableError
         If the engine that was chosen is the scalar one.
     """
@@ -108,7 +110,8 @@ class TranslucentRenderer:
                 "engine: translucent objects need llvm or cuda; apt install libllvm19"
             )
         self.body = body
-        self.points = points or self._points_for_medium()
+        self.points = self._points_for_medium() if points is None else points
+        check_count(self.points)
         self._scene = mi.load_dict(
             {"type": "scene", "body": to_mitsuba(body.mesh, body.bsdf(), "body")}
         )
