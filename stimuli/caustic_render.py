@@ -1,0 +1,169 @@
+"""The picture of caustics: progressive photon mapping (Knaus and Zwicker 2011).
+
+Every pass traces photons of its own, follows rays from the camera through glass and mirrors to the
+first diffuse surface, and estimates the density of photons there within a radius that shrinks from
+pass to pass, so that the mean of many passes loses both its noise and its blur.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from math import exp, lgamma
+from typing import Final
+
+import drjit as dr
+import numpy as np
+from numpy.typing import NDArray
+
+from algorithms.errors import InputError
+from stimuli.eye_paths import Eye
+from stimuli.mesh import Value
+from stimuli.photon_grid import PhotonGrid
+from stimuli.photon_map import EnergyBalance
+from stimuli.photon_tracing import PhotonTracer
+
+Image = NDArray[np.float32]
+
+ALPHA: Final = 2 / 3
+"""Of Knaus and Zwicker 2011: variance and squared bias of the mean of n passes then both fall as
+n^(-2/3)."""
+
+_RADIUS_PX: Final = 2.0  # the first radius, where none is given
+
+
+@dataclass(frozen=True)
+class Caustics:
+    """A picture of caustics alone.
+
+    Attributes
+    ----------
+    radiance
+        float32 `(height, width, 3)`, to be added to a render without caustics.
+    halves
+        The means of the passes with even and odd numbers; half of their difference is an estimate
+        of the noise of `radiance`.
+    radii
+        Of each pass, in scene units.
+    energy
+        Where the power of the photons went, the mean of the passes.
+    """
+
+    radiance: Image
+    halves: tuple[Image, Image]
+    radii: tuple[float, ...]
+    energy: EnergyBalance
+
+
+class CausticRenderer:
+    """Renders passes of the caustics that one camera sees.
+
+    Parameters
+    ----------
+    tracer
+        Sends the photons.
+    sensor
+        Mitsuba's; its film's size counts, and every sample falls into its own pixel (a box filter).
+    photons_per_pass
+        Emitted in each pass.
+    radius
+        Of the kernel in the first pass, in scene units; None for the size of two pixels on the
+        receivers.
+    eye_samples
+        Rays from the camera by pixel and pass.
+    seen
+        The scene that the camera sees; None for the one that photons are traced in. Another one
+        shows caustics of what is not there, on surfaces that both have.
+
+    Raises
+    ------
+    InputError
+        If a number is out of range, or no diffuse surface is in view.
+    """
+
+    def __init__(
+        self,
+        tracer: PhotonTracer,
+        sensor: Value,
+        *,
+        photons_per_pass: int,
+        radius: float | None = None,
+        eye_samples: int = 4,
+        seen: Value = None,
+    ) -> None:
+        if photons_per_pass < 1 or eye_samples < 1:
+            raise InputError("photons_per_pass, eye_samples: 1 or more are accepted")
+        if radius is not None and not 0 < radius < np.inf:
+            raise InputError(f"radius: {radius} given, more than 0 accepted")
+        self._tracer, self._photons = tracer, photons_per_pass
+        self._eye = Eye(tracer.scene if seen is None else seen, sensor, eye_samples)
+        self.radius = radius or _RADIUS_PX * self._eye.footprint()
+
+    def pass_radius(self, number: int) -> float:
+        """Return the kernel's radius in the pass of that number, from 0 on."""
+        # The product of (k + alpha) / (k + 1) over k = 1 .. number (Knaus and Zwicker 2011, eq. 15)
+        logarithm = lgamma(number + 1 + ALPHA) - lgamma(1 + ALPHA) - lgamma(number + 2)
+        return self.radius * exp(logarithm / 2)
+
+    def render_pass(self, number: int, seed: int) -> tuple[Image, EnergyBalance]:
+        """Render one pass.
+
+        Parameters
+        ----------
+        number
+            From 0 on: sets the radius.
+        seed
+            0 or more; passes that differ in number or seed are independent.
+
+        Returns
+        -------
+        Radiance float32 `(height, width, 3)`, and what became of the photons.
+        """
+        generator = np.random.default_rng([seed, number])
+        photons = self._tracer.trace(self._photons, generator)
+        sight = self._eye.look(int(generator.integers(2**31)))
+        if len(photons) == 0:
+            return np.zeros(self._eye.shape, np.float32), photons.energy
+        grid = PhotonGrid(photons.position, photons.normal, photons.power, self.pass_radius(number))
+        irradiance = grid.irradiance(sight.position, sight.normal, sight.valid)
+        return self._eye.image(sight.weight * irradiance / dr.pi), photons.energy
+
+
+def render_caustics(renderer: CausticRenderer, *, passes: int, seed: int) -> Caustics:
+    """Return the mean of progressive passes.
+
+    Parameters
+    ----------
+    renderer
+        Of the scene.
+    passes
+        2 or more.
+    seed
+        0 or more; the same gives the same picture.
+
+    Raises
+    ------
+    InputError
+        If a number is out of range.
+    """
+    if passes < 2:
+        raise InputError(f"passes: {passes} given, 2 or more accepted")
+    sums: list[NDArray[np.float64]] = [np.zeros(()), np.zeros(())]
+    energies = []
+    for number in range(passes):
+        image, energy = renderer.render_pass(number, seed)
+        sums[number % 2] = sums[number % 2] + image
+        energies.append(energy)
+    counts = [(passes + 1) // 2, passes // 2]
+    halves = [(each / count).astype(np.float32) for each, count in zip(sums, counts, strict=True)]
+    return Caustics(
+        ((sums[0] + sums[1]) / passes).astype(np.float32),
+        (halves[0], halves[1]),
+        tuple(renderer.pass_radius(number) for number in range(passes)),
+        _mean(energies),
+    )
+
+
+def _mean(energies: Sequence[EnergyBalance]) -> EnergyBalance:
+    names = [field.name for field in fields(EnergyBalance)]
+    return EnergyBalance(
+        *(np.mean([getattr(energy, name) for energy in energies], axis=0) for name in names)
+    )
