@@ -138,8 +138,8 @@ def read_channels(path: str | Path, max_pixels: int = MAX_PIXELS) -> NDArray[np.
     return np.stack([np.asarray(pixels[name], dtype=np.float32) for name in names], axis=2)
 
 
-def write_channels(path: str | Path, values: NDArray[np.float32]) -> None:
-    """Write one or three float32 channels as an OpenEXR file (lossless, ZIP).
+def write_channels(path: str | Path, values: NDArray[np.float32 | np.float16]) -> None:
+    """Write one or three channels as an OpenEXR file (lossless, ZIP).
 
     Parameters
     ----------
@@ -147,7 +147,8 @@ def write_channels(path: str | Path, values: NDArray[np.float32]) -> None:
         Ends in .exr.
     values
         `(height, width)` or `(height, width, 1)`, written as channel Y, or `(height, width, 3)`,
-        written as R, G, B. Infinite values are allowed, such as the background's distance.
+        written as R, G, B; float16 as such, anything else as float32. Infinite values are
+        allowed, such as the background's distance.
 
     Raises
     ------
@@ -159,8 +160,9 @@ def write_channels(path: str | Path, values: NDArray[np.float32]) -> None:
     if values.ndim != 3 or values.shape[2] not in (1, 3):
         raise InputError(f"image: one or three channels are accepted, not {values.shape}")
     names = "RGB" if values.shape[2] == 3 else "Y"
+    kind = np.float16 if values.dtype == np.float16 else np.float32
     channels = {
-        name: np.ascontiguousarray(values[..., index], dtype=np.float32)
+        name: np.ascontiguousarray(values[..., index], dtype=kind)
         for index, name in enumerate(names)
     }
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}

@@ -21,13 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.color import encode_srgb
-from algorithms.light import Light
 from benchmarks.results import machine, write_result
-from stimuli.arrangement import BACKGROUND, FULL, QUICK, place_objects
+from stimuli.arrangement import BACKGROUND, FULL, QUICK
 from stimuli.camera import View
 from stimuli.engine import choose_engine
 from stimuli.making import current_versions
-from stimuli.render import Renderer, make_renderer
+from stimuli.render import Renderer, Rig, make_renderer
 from stimuli.rigs import AMBIENT, CENTRE_ELEVATIONS_DEG, diverging_keys
 from stimuli.sets import divergence
 from stimuli.truth import Image
@@ -82,13 +81,20 @@ def make_full_set(engine: str | None) -> Made:
 def renderer_of_set() -> Renderer:
     """Build the main scene for the engine that is set."""
     generator = np.random.default_rng([SEED, 1])
-    return make_renderer(place_objects(divergence.MAIN_ORDER, generator), AMBIENT)
+    return make_renderer(divergence.place_letters(divergence.MAIN_ORDER, generator))
 
 
-def keys_of(placement: str) -> list[Light]:
-    """Return key lights as of an image at 90 degrees."""
+def rigs_of(placement: str) -> list[Rig]:
+    """Return the lights as of an image at 90 degrees."""
     key, wrong = diverging_keys(placement, 90, 1)
-    return [wrong if number == TARGET else key for number in range(len(divergence.MAIN_ORDER))]
+    numbers = range(len(divergence.MAIN_ORDER))
+    return [(wrong if number == TARGET else key, *AMBIENT) for number in numbers]
+
+
+def linked_picture(renderer: Renderer, view: View, rigs: list[Rig]) -> tuple[Image, Image]:
+    """Return radiance and coverage of our renderer's picture."""
+    made = renderer.render(view, rigs)
+    return made.radiance, made.coverage
 
 
 def displayed(image: tuple[Image, Image], exposure: float) -> NDArray[np.float64]:
@@ -109,7 +115,7 @@ def noise(renderer: Renderer, view: View, exposure: float) -> dict[str, float]:
     return {
         placement: rms(
             *(
-                displayed(renderer.radiance(each, keys_of(placement)), exposure)
+                displayed(linked_picture(renderer, each, rigs_of(placement)), exposure)
                 for each in (view, reference)
             )
         )
@@ -130,16 +136,17 @@ def seconds_of(render: Render) -> float:
 def beside_the_path_tracer(renderer: Renderer, exposure: float) -> dict[str, float]:
     """Compare time and noise at equal samples, under one key light for all objects."""
     key, _ = diverging_keys("front", 0, 1)
-    keys, view = [key] * len(renderer.objects), QUICK
+    rigs: list[Rig] = [(key, *AMBIENT)] * len(renderer.objects)
+    view = QUICK
     tracer = PathTracer(renderer.objects, (key, *AMBIENT), view)
     renders: dict[str, Render] = {
-        "linked": lambda: renderer.radiance(view, keys),
+        "linked": lambda: linked_picture(renderer, view, rigs),
         "path": lambda: tracer.render(view.samples, seed=1),
     }
     images = {name: displayed(render(), exposure) for name, render in renders.items()}
     seconds = {name: seconds_of(render) for name, render in renders.items()}
     references = {
-        "linked": renderer.radiance(replace(view, samples=REFERENCE_SAMPLES), keys),
+        "linked": linked_picture(renderer, replace(view, samples=REFERENCE_SAMPLES), rigs),
         "path": tracer.render(REFERENCE_SAMPLES, seed=2),
     }
     errors = {name: rms(images[name], displayed(references[name], exposure)) for name in images}
@@ -156,13 +163,16 @@ def beside_the_path_tracer(renderer: Renderer, exposure: float) -> dict[str, flo
 
 def beside_the_scalar_engine(linked: Renderer, exposure: float) -> dict[str, dict[str, float]]:
     """Return the RMS difference of the scalar engine's images, in 1/255, and the largest."""
-    pictures = {p: displayed(linked.radiance(QUICK, keys_of(p)), exposure) for p in PLACEMENTS}
+
+    def pictures_of(renderer: Renderer) -> dict[str, NDArray[np.float64]]:
+        return {
+            p: displayed(linked_picture(renderer, QUICK, rigs_of(p)), exposure) for p in PLACEMENTS
+        }
+
+    pictures = pictures_of(linked)
     choose_engine("scalar")
-    superposed = renderer_of_set()
-    differences = {
-        p: pictures[p] - displayed(superposed.radiance(QUICK, keys_of(p)), exposure)
-        for p in PLACEMENTS
-    }
+    superposed = pictures_of(renderer_of_set())
+    differences = {p: pictures[p] - superposed[p] for p in PLACEMENTS}
     return {
         p: {
             "rms_of_255": rms(difference, np.zeros(())),

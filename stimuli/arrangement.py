@@ -1,12 +1,13 @@
-"""The scene of chapter 2: eight abstract objects in two rows, with the materials of table 2.1."""
+"""The scene of chapter 2: eight abstract objects in two rows."""
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
 from algorithms.color import decode_srgb
 from stimuli.camera import View
-from stimuli.materials import TABLE_2_1, Material
+from stimuli.materials import Material
 from stimuli.scene import Placed
 from stimuli.shapes import AbstractShape, sphere_directions
 
@@ -18,30 +19,37 @@ COARSE: Final = View(width_px=256, height_px=150, radius_px=26.25, samples=4)
 BACKGROUND: Final = float(decode_srgb(np.array(128 / 255)))
 """Display-referred linear light behind the objects: the grey that surrounds the runners' images."""
 
+_MESH_SIZE: Final = (128, 256)
 _COLUMNS: Final = 4
 _SPACING: Final = (2.4375, 2.857)  # of the objects' centres, in their radii
 _LIFT: Final = 0.08  # leaves room below the objects for their numbers
 
 
-def place_objects(order: str, generator: np.random.Generator) -> list[Placed]:
-    """Return eight objects of table 2.1, each of a shape of its own.
+def place_objects(
+    materials: Sequence[Material], generator: np.random.Generator, coarseness: int = 1
+) -> list[Placed]:
+    """Return eight objects, each of a shape of its own.
 
     Parameters
     ----------
-    order
-        Their letters in reading order.
+    materials
+        Theirs, in reading order.
     generator
         Draws the shapes and the textures.
+    coarseness
+        How many times coarser than for pictures meshes and textures are: 1, 2, 4 or 8; the objects
+        are the same.
     """
     placed = []
-    for index, letter in enumerate(order):
-        material = TABLE_2_1[letter]
+    for index, material in enumerate(materials):
         row, column = divmod(index, _COLUMNS)
         x = (column - (_COLUMNS - 1) / 2) * _SPACING[0]
         y = (0.5 - row) * _SPACING[1] + _LIFT
         shape = AbstractShape(generator)
-        albedo = material.albedo_at(sphere_directions(*_texture_size(material)), generator)
-        placed.append(Placed(shape.mesh(), material, albedo, (x, y)))
+        texels = (max(2, extent // coarseness) for extent in _texture_size(material))
+        albedo = material.albedo_at(sphere_directions(*texels), generator)
+        rows, columns = (extent // coarseness for extent in _MESH_SIZE)
+        placed.append(Placed(shape.mesh(rows, columns), material, albedo, (x, y)))
     return placed
 
 

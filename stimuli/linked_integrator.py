@@ -1,4 +1,4 @@
-"""The integrator that lights each object by a key light of its own."""
+"""The integrator that lights each object by lights of its own."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -13,6 +13,7 @@ from stimuli.mesh import Value
 
 # A ray cannot leave an object of radius 1 and meet it again farther away than its diameter.
 _SHADOW_REACH: Final = 2.1
+_UNBLOCKED: Final = 1 - 1e-4  # of the way to a point light: the ray ends before the light
 
 SHADOW_SPACING: Final = 2 + 1.5 * _SHADOW_REACH
 """In the scene for shadows the objects' centres stand this many radii apart: from the rim of one,
@@ -26,21 +27,25 @@ def linked_integrator_class() -> Value:
         def __init__(
             self,
             shadow_scene: Value,
-            shadow_offsets: NDArray[np.float64],
-            ambient: Sequence[Light],
+            centres: NDArray[np.float64],
+            shadow_centres: NDArray[np.float64],
         ) -> None:
             super().__init__(mi.Properties())
             self.shadow_scene = shadow_scene
-            self.offset_x, self.offset_y = (mi.Float(column) for column in shadow_offsets.T)
-            self.ambient = [
-                (mi.Vector3f(light.direction.tolist()), light.intensity) for light in ambient
-            ]
+            self.centres = [mi.Float(column) for column in centres.T]
+            self.shadow_offsets = [mi.Float(column) for column in (shadow_centres - centres).T]
 
-        def link(self, keys: Sequence[Light]) -> None:
-            """Give each object its key light."""
-            directions = np.array([light.direction for light in keys])
-            self.key_x, self.key_y, self.key_z = (mi.Float(column) for column in directions.T)
-            self.key_intensity = mi.Float([light.intensity for light in keys])
+        def link(self, rigs: Sequence[Sequence[Light]]) -> None:
+            """Give each object its lights, to each of them equally many."""
+            lights = [light for rig in rigs for light in rig]
+            self.count = dr.opaque(mi.UInt32, len(lights) // len(rigs))
+            directions = np.array([light.direction for light in lights])
+            self.directions = [mi.Float(column) for column in directions.T]
+            self.intensities = mi.Float([light.intensity for light in lights])
+            self.distances = mi.Float([light.distance or np.inf for light in lights])
+
+        def aov_names(self) -> list[str]:
+            return ["shading"]
 
         def sample(
             self,
@@ -53,37 +58,53 @@ def linked_integrator_class() -> Value:
             hit = scene.ray_intersect(ray, active)
             active = active & hit.is_valid()
             number = mi.UInt32(hit.shape.eval_attribute_1("face_number", hit, active))
-            key = mi.Vector3f(
-                *(
-                    dr.gather(mi.Float, axis, number, active)
-                    for axis in (self.key_x, self.key_y, self.key_z)
-                )
+
+            def add(index: Value, radiance: Value, shading: Value) -> tuple[Value, Value, Value]:
+                more, white = self.reflected(hit, number, number * self.count + index, active)
+                return index + 1, radiance + more, shading + white
+
+            _, radiance, shading = dr.while_loop(
+                (mi.UInt32(0), mi.Spectrum(0), mi.Float(0)),
+                lambda index, *_: index < self.count,
+                add,
             )
-            intensity = dr.gather(mi.Float, self.key_intensity, number, active)
-            radiance = mi.Spectrum(0)
-            for direction, strength in [(key, intensity), *self.ambient]:
-                radiance += self.reflected(hit, number, direction, strength, active)
-            return radiance & active, active, []
+            return radiance & active, active, [shading & active]
 
         def reflected(
-            self,
-            hit: Value,
-            number: Value,
-            direction: Value,
-            strength: Value,
-            active: Value,
-        ) -> Value:
-            """Return the radiance towards the camera due to one directional light."""
-            reflectance = hit.bsdf().eval(mi.BSDFContext(), hit, hit.to_local(direction), active)
+            self, hit: Value, number: Value, light: Value, active: Value
+        ) -> tuple[Value, Value]:
+            """Return what the surface, and what a white matt one, reflects of one light."""
+            direction, irradiance, reach = self.incident(hit, number, light, active)
+            local = hit.to_local(direction)
+            reflectance = hit.bsdf().eval(mi.BSDFContext(), hit, local, active)
+            white = dr.select(hit.wi.z > 0, dr.maximum(local.z, 0) / dr.pi, 0)
             shadow_ray = hit.spawn_ray(direction)
-            shadow_ray.o += mi.Vector3f(
-                dr.gather(mi.Float, self.offset_x, number, active),
-                dr.gather(mi.Float, self.offset_y, number, active),
-                0,
-            )
-            shadow_ray.maxt = _SHADOW_REACH
-            facing = active & dr.any(reflectance > 0)  # else there is nothing to be blocked
+            shadow_ray.o += mi.Vector3f(*self.gathered(self.shadow_offsets, number, active), 0)
+            shadow_ray.maxt = reach
+            facing = active & (white > 0)  # else there is nothing to be blocked
             blocked = self.shadow_scene.ray_test(shadow_ray, facing)
-            return dr.select(blocked, 0, reflectance * strength)
+            strength = dr.select(blocked, 0, irradiance)
+            return reflectance * strength, white * strength
+
+        def incident(
+            self, hit: Value, number: Value, light: Value, active: Value
+        ) -> tuple[Value, Value, Value]:
+            """Return where the light is, its irradiance, and how far away it may be blocked."""
+            direction = mi.Vector3f(*self.gathered(self.directions, light, active))
+            intensity, distance = self.gathered([self.intensities, self.distances], light, active)
+            near = dr.isfinite(distance)
+            place = mi.Point3f(*self.gathered(self.centres, number, active), 0)
+            way = place + direction * dr.select(near, distance, 0) - hit.p
+            length = dr.norm(way)
+            return (
+                dr.select(near, way / length, direction),
+                dr.select(near, intensity * dr.square(distance / length), intensity),
+                dr.select(near, dr.minimum(length * _UNBLOCKED, _SHADOW_REACH), _SHADOW_REACH),
+            )
+
+        def gathered(
+            self, columns: Sequence[Value], index: Value, active: Value
+        ) -> tuple[Value, ...]:
+            return tuple(dr.gather(mi.Float, column, index, active) for column in columns)
 
     return LinkedIntegrator

@@ -1,7 +1,8 @@
 """Observers who look at brightness alone: a task that they can solve measures nothing else."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,6 +76,20 @@ def experienced_hit_rates(stimuli: StimulusSet, level: str) -> tuple[HitRate, ..
         return [most_different(row) for row in ratios]
 
     return _hit_rates(stimuli, level, pick)
+
+
+def observer_details(stimuli: StimulusSet, level: str = "divergence_deg") -> dict[str, Any]:
+    """Return both observers' hit rates by the levels of a factor, as a manifest tells them."""
+
+    def told(rates: Sequence[HitRate]) -> list[dict[str, float]]:
+        return [asdict(rate) | {"hit_rate": rate.hits / rate.images} for rate in rates]
+
+    return {
+        "luminance_observers": {
+            "outlier": told(outlier_hit_rates(stimuli, level)),
+            "experienced": told(experienced_hit_rates(stimuli, level)),
+        }
+    }
 
 
 def _hit_rates(

@@ -65,12 +65,15 @@ class Plan:
         One for each image, in the set's order.
     exposure, objects, details
         As in the manifest; see `StimulusSet`.
+    conclude
+        Returns, from the finished images, what else is to stand in the set's `details`.
     """
 
     jobs: Sequence[Job]
     exposure: float
     objects: Mapping[int, str] = field(default_factory=dict)
     details: Mapping[str, Any] = field(default_factory=dict)
+    conclude: Callable[[StimulusSet], Mapping[str, Any]] = lambda _: {}
 
 
 def make_set(
@@ -106,17 +109,16 @@ def make_set(
         progress(done, len(made.jobs))
         stimuli.append(_make_stimulus(folder, job))
     progress(len(made.jobs), len(made.jobs))
-    StimulusSet(
+    finished = StimulusSet(
         **asdict(recipe),
         exposure=made.exposure,
         objects=made.objects,
-        details={
-            **made.details,
-            "clipped_share": clipped_share(folder / stimulus.file for stimulus in stimuli),
-        },
         files=digests(folder),
         stimuli=tuple(stimuli),
-    ).write(folder)
+    ).in_folder(folder)
+    clipped = clipped_share(folder / stimulus.file for stimulus in stimuli)
+    details = {**made.details, "clipped_share": clipped, **made.conclude(finished)}
+    finished.model_copy(update={"details": details}).write(folder)
     return load(folder)  # as anybody else will see it: what was a tuple is a list in JSON
 
 

@@ -1,4 +1,4 @@
-"""The materials of experiment 1: matt or glossy, plain, noisy or chequered."""
+"""The materials of experiments 1 and 2: matt or glossy, plain, noisy or chequered."""
 
 from dataclasses import dataclass
 from typing import Any, Final, Literal
@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from algorithms.noise import PerlinNoise
 
 Finish = Literal["diffuse", "shiny"]
-Pattern = Literal["plain", "perlin-high", "perlin-low", "checkerboard"]
+Pattern = Literal["plain", "perlin", "checkerboard"]
 
 ROUGHNESS: Final = 0.16
+"""Of the shiny objects of experiment 1."""
+
 _REFRACTIVE_INDEX: Final = 1.5
-_PERLIN_FREQUENCY: Final = {"perlin-high": 7.0, "perlin-low": 1.8}
 _PERLIN_CONTRAST: Final = 1.6
-_TILES_PER_UNIT: Final = 2.6
 
 
 @dataclass(frozen=True)
@@ -31,11 +31,18 @@ class Material:
         How the diffuse albedo varies over the surface.
     albedo
         Lowest and highest diffuse albedo, 0..1; equal for a plain surface.
+    frequency
+        How many of the pattern's tiles, or cells of the noise's lattice, stand side by side in the
+        length of an object's radius, more than 0; a plain surface has none.
+    roughness
+        Of the coat of a shiny surface, more than 0 and at most 1; see `plugin`.
     """
 
     finish: Finish
     pattern: Pattern
     albedo: tuple[float, float]
+    frequency: float = 0.0
+    roughness: float = ROUGHNESS
 
     def albedo_at(
         self, points: NDArray[np.floating[Any]], generator: np.random.Generator
@@ -65,11 +72,11 @@ class Material:
         if self.pattern == "checkerboard":
             # Turned, lest a tile's border be seen edge-on as a straight line.
             turn = np.linalg.qr(generator.normal(size=(3, 3)))[0]
-            tiles = np.floor(points @ turn * _TILES_PER_UNIT + generator.uniform(size=3))
+            tiles = np.floor(points @ turn * self.frequency + generator.uniform(size=3))
             return np.asarray(tiles.sum(axis=-1) % 2)
         noise = PerlinNoise(generator)
         offset = generator.uniform(0, 64, size=3)
-        values = noise.fractal(points * _PERLIN_FREQUENCY[self.pattern] + offset, 2)
+        values = noise.fractal(points * self.frequency + offset, 2)
         return np.clip(0.5 + 0.5 * _PERLIN_CONTRAST * values, 0, 1)
 
     def plugin(self, albedo: NDArray[np.float64]) -> dict[str, Any]:
@@ -78,16 +85,19 @@ class Material:
         Parameters
         ----------
         albedo
-            `(rows, columns)` over latitude and longitude, as texture coordinates run.
+            `(rows, columns)`, or `(rows, columns, 3)` where it has a colour, over latitude and
+            longitude, as texture coordinates run.
 
         Notes
         -----
         Mitsuba has no Phong lobe: `roughplastic` with a Beckmann distribution stands in, which is
-        close to a Blinn-Phong exponent of 2 / roughness^2 - 2 (Walter et al. 2007), here 76.
+        close to a Blinn-Phong exponent of 2 / roughness^2 - 2 (Walter et al. 2007), 76 for
+        experiment 1; see `roughness_of`.
         """
+        texels = albedo if albedo.ndim == 3 else albedo[..., None]
         texture = {
             "type": "bitmap",
-            "bitmap": mi.Bitmap(np.ascontiguousarray(albedo[..., None], dtype=np.float32)),
+            "bitmap": mi.Bitmap(np.ascontiguousarray(texels, dtype=np.float32)),
             "raw": True,
             "wrap_mode": "repeat",
         }
@@ -96,20 +106,30 @@ class Material:
         return {
             "type": "roughplastic",
             "distribution": "beckmann",
-            "alpha": ROUGHNESS,
+            "alpha": self.roughness,
             "int_ior": _REFRACTIVE_INDEX,
             "diffuse_reflectance": texture,
         }
 
 
+def roughness_of(exponent: float) -> float:
+    """Return the roughness whose highlight is about that of a Blinn-Phong exponent, 0 or more."""
+    return float(np.sqrt(2 / (exponent + 2)))
+
+
+def exponent_of(roughness: float) -> float:
+    """Return the Blinn-Phong exponent of about the same highlight as a roughness in 0..1."""
+    return 2 / roughness**2 - 2
+
+
 TABLE_2_1: Final[dict[str, Material]] = {
     "a": Material("diffuse", "plain", (0.85, 0.85)),
-    "b": Material("diffuse", "perlin-high", (0.06, 0.50)),
+    "b": Material("diffuse", "perlin", (0.06, 0.50), frequency=7.0),
     "c": Material("diffuse", "plain", (0.16, 0.16)),
-    "d": Material("shiny", "checkerboard", (0.04, 0.72)),
-    "e": Material("shiny", "checkerboard", (0.04, 0.72)),
+    "d": Material("shiny", "checkerboard", (0.04, 0.72), frequency=2.6),
+    "e": Material("shiny", "checkerboard", (0.04, 0.72), frequency=2.6),
     "f": Material("diffuse", "plain", (0.30, 0.30)),
-    "g": Material("shiny", "perlin-low", (0.04, 0.42)),
+    "g": Material("shiny", "perlin", (0.04, 0.42), frequency=1.8),
     "h": Material("shiny", "plain", (0.20, 0.20)),
 }
 """Finish and pattern by object (Lopez-Moreno 2011, table 2.1); the albedos are ours, spread so that

@@ -1,12 +1,16 @@
-"""Rendering objects that each have a key light of their own, without noise.
+"""Rendering objects that each have lights of their own, without noise.
 
-All lights are directional, so the light that reaches a surface point is a sum over lights and not
-an integral: nothing is sampled but the pixel's area. An object is shaded by itself only; neither
-shadows nor light pass from one object to another, since a neighbour's would tell of its light.
+All lights are directions or points, so the light that reaches a surface point is a sum over lights
+and not an integral: nothing is sampled but the pixel's area. An object is shaded by itself only;
+neither shadows nor light pass from one object to another, since a neighbour's would tell of its
+light. Light that passes between parts of one object (interreflection) is left out.
 """
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Final
 
 import mitsuba as mi
 import numpy as np
@@ -17,19 +21,45 @@ from algorithms.light import Light
 from stimuli.camera import View
 from stimuli.engine import VARIANTS
 from stimuli.linked_integrator import SHADOW_SPACING, linked_integrator_class
-from stimuli.scene import LIGHT, Placed, scene_of, turn_light
+from stimuli.materials import Material
+from stimuli.mesh import Value
+from stimuli.scene import LIGHTS, Placed, scene_of, set_light
 from stimuli.truth import GroundTruth, Image, ground_truth
+
+Rig = Sequence[Light]
+"""The lights that shine on one object. A point light's distance counts from the object's centre,
+and its intensity is the irradiance there; it falls off with the square of the distance."""
+
+_WHITE: Final = Material("diffuse", "plain", (1.0, 1.0))
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """A picture without its background.
+
+    Attributes
+    ----------
+    radiance
+        float32 `(height, width, 3)`, zero where there is no object.
+    coverage
+        The share of each pixel that objects cover, float32 `(height, width)`.
+    shading
+        What a white matt surface of the same shape would reflect, float32 `(height, width)`: the
+        irradiance divided by pi. Albedo times shading is the radiance of a matt object.
+    """
+
+    radiance: Image
+    coverage: Image
+    shading: Image
 
 
 class Renderer(ABC):
-    """Renders one scene under one key light per object, and ambient lights shared by all.
+    """Renders one scene, in which every object has lights of its own.
 
     Parameters
     ----------
     objects
         In the order of their numbers, from 1; they must not overlap in the image.
-    ambient
-        The lights that shine on every object alike.
 
     Raises
     ------
@@ -37,38 +67,40 @@ class Renderer(ABC):
         If there is no object.
     """
 
-    def __init__(self, objects: Sequence[Placed], ambient: Sequence[Light]) -> None:
-        self.objects, self.ambient = tuple(objects), tuple(ambient)
+    def __init__(self, objects: Sequence[Placed]) -> None:
+        self.objects = tuple(objects)
         if not self.objects:
             raise InputError("objects: one or more are accepted")
 
-    def radiance(self, view: View, keys: Sequence[Light]) -> tuple[Image, Image]:
-        """Render with one key light for each object.
+    def render(self, view: View, rigs: Sequence[Rig]) -> Rendered:
+        """Render with the lights of each object.
 
         Parameters
         ----------
         view
             The camera.
-        keys
-            As many as there are objects, in their order.
-
-        Returns
-        -------
-        Radiance float32 `(height, width, 3)`, zero where there is no object, and the share of
-        each pixel that objects cover, float32 `(height, width)`.
+        rigs
+            The lights of each object in their order, for each of them equally many, one or more.
 
         Raises
         ------
         InputError
-            If the number of keys is wrong, or two objects may touch the same pixel.
+            If the number of rigs or of lights is wrong, a point light is inside its object, or
+            two objects may touch the same pixel.
         """
         self._numbers(view)
-        if len(keys) != len(self.objects):
-            raise InputError(f"keys: {len(keys)} given, {len(self.objects)} accepted")
-        return self._radiance(view, keys)
+        if len(rigs) != len(self.objects):
+            raise InputError(f"rigs: {len(rigs)} given, {len(self.objects)} accepted")
+        if len({len(rig) for rig in rigs}) != 1 or not rigs[0]:
+            raise InputError("rigs: equally many lights for each object are accepted, 1 or more")
+        for placed, rig in zip(self.objects, rigs, strict=True):
+            radius = placed.mesh.bounding_radius
+            if any(light.distance and light.distance <= radius for light in rig):
+                raise InputError(f"rigs: a light's distance of more than {radius:.3g} is accepted")
+        return self._render(view, rigs)
 
     @abstractmethod
-    def _radiance(self, view: View, keys: Sequence[Light]) -> tuple[Image, Image]: ...
+    def _render(self, view: View, rigs: Sequence[Rig]) -> Rendered: ...
 
     def ground_truth(self, view: View) -> GroundTruth:
         """Return what is known exactly at every pixel's centre."""
@@ -89,29 +121,24 @@ class Renderer(ABC):
 
 
 class LinkedRenderer(Renderer):
-    """Renders all objects at once; the integrator looks up the light of the object it has hit."""
+    """Renders all objects at once; the integrator looks up the lights of the object it has hit."""
 
-    def __init__(self, objects: Sequence[Placed], ambient: Sequence[Light]) -> None:
-        super().__init__(objects, ambient)
+    def __init__(self, objects: Sequence[Placed]) -> None:
+        super().__init__(objects)
         centres = [placed.centre for placed in self.objects]
         apart = [(SHADOW_SPACING * number, 0.0) for number in range(len(centres))]
         self._scene = mi.load_dict(scene_of(self.objects, centres))
-        offsets = np.array(apart) - np.array(centres)
         self._integrator = linked_integrator_class()(
-            mi.load_dict(scene_of(self.objects, apart)), offsets, self.ambient
+            mi.load_dict(scene_of(self.objects, apart)), np.array(centres), np.array(apart)
         )
 
-    def _radiance(self, view: View, keys: Sequence[Light]) -> tuple[Image, Image]:
-        self._integrator.link(keys)
+    def _render(self, view: View, rigs: Sequence[Rig]) -> Rendered:
+        self._integrator.link(rigs)
+        sensor = view.sensor("grid")
         pixels = np.array(
-            mi.render(
-                self._scene,
-                sensor=view.sensor("grid"),
-                integrator=self._integrator,
-                spp=view.samples,
-            )
+            mi.render(self._scene, sensor=sensor, integrator=self._integrator, spp=view.samples)
         )
-        return pixels[..., :3], pixels[..., 3]
+        return Rendered(pixels[..., :3], pixels[..., 3], pixels[..., 4])
 
 
 class SuperposedRenderer(Renderer):
@@ -119,47 +146,58 @@ class SuperposedRenderer(Renderer):
 
     Python code runs once a ray in the scalar variant, so that a linked integrator would take
     hours there; this one uses Mitsuba's own. Since no pixel belongs to two objects and no light
-    passes between them, the sum is the linked picture, edges included. What was rendered once is
-    kept, as few directions serve many images.
+    passes between them, the sum is the linked picture, edges included. The shading is the picture
+    of white objects.
     """
 
-    def __init__(self, objects: Sequence[Placed], ambient: Sequence[Light]) -> None:
-        super().__init__(objects, ambient)
-        self._scenes = [
-            mi.load_dict(scene_of([placed], [placed.centre]) | LIGHT) for placed in self.objects
-        ]
-        # One light and no sampling of the material: the sum over lights has a single term.
-        integrator = {"type": "direct", "emitter_samples": 1, "bsdf_samples": 0}
-        self._integrator = mi.load_dict(integrator | {"hide_emitters": True})
-        self._parts: dict[tuple[View, int, Light], Image] = {}
+    # One light and no sampling of the material: the sum over lights has a single term.
+    _INTEGRATOR: Final = {
+        "type": "direct",
+        "emitter_samples": 1,
+        "bsdf_samples": 0,
+        "hide_emitters": True,
+    }
+    _FEW: Final = 8  # lights of an object, of which pictures are kept: many images have the same
 
-    def _radiance(self, view: View, keys: Sequence[Light]) -> tuple[Image, Image]:
-        size = (view.height_px, view.width_px)
-        image, coverage = np.zeros((*size, 3), np.float32), np.zeros(size, np.float32)
-        for number, (placed, key) in enumerate(zip(self.objects, keys, strict=True)):
+    def __init__(self, objects: Sequence[Placed]) -> None:
+        super().__init__(objects)
+        self._integrator = mi.load_dict(self._INTEGRATOR)
+        self._scene = cache(self._new_scene)
+        self._kept = cache(self._part)
+
+    def _render(self, view: View, rigs: Sequence[Rig]) -> Rendered:
+        pixels = np.zeros((view.height_px, view.width_px, 5), np.float32)
+        for number, (placed, rig) in enumerate(zip(self.objects, rigs, strict=True)):
             left, top, right, bottom = view.box_px(placed.centre)
-            parts = [self._part(view, number, light) for light in (key, *self.ambient)]
-            image[top:bottom, left:right] += sum(part[..., :3] for part in parts)
-            coverage[top:bottom, left:right] += parts[0][..., 3]
-        return image, coverage
+            part = self._kept if len(rig) <= self._FEW else self._part
+            box = pixels[top:bottom, left:right]
+            box[..., 4] += part(view, number, rig[0])[..., 4]
+            for light in rig:
+                box[..., :4] += part(view, number, light)[..., :4]
+        return Rendered(pixels[..., :3], pixels[..., 4], pixels[..., 3])
 
     def _part(self, view: View, number: int, light: Light) -> Image:
-        if (view, number, light) not in self._parts:
-            box = view.box_px(self.objects[number].centre)
-            turn_light(self._scenes[number], light)
-            self._parts[view, number, light] = np.array(
-                mi.render(
-                    self._scenes[number],
-                    sensor=view.sensor("grid", box),
-                    integrator=self._integrator,
-                    spp=view.samples,
-                )
-            )
-        return self._parts[view, number, light]
+        """Return an object under one light: `(height, width, 5)`, radiance, shading, coverage."""
+        sensor = view.sensor("grid", view.box_px(self.objects[number].centre))
+        kind = "directional" if light.distance is None else "point"
+        pictures = []
+        for white in (False, True):
+            scene = self._scene(number, kind, white)
+            set_light(scene, light, self.objects[number].centre)
+            pixels = mi.render(scene, sensor=sensor, integrator=self._integrator, spp=view.samples)
+            pictures.append(np.array(pixels))
+        itself, shading = pictures
+        return np.concatenate([itself[..., :3], shading[..., :1], itself[..., 3:]], axis=-1)
+
+    def _new_scene(self, number: int, kind: str, white: bool) -> Value:
+        placed = self.objects[number]
+        if white:
+            placed = replace(placed, material=_WHITE, albedo=np.ones((2, 4)))
+        return mi.load_dict(scene_of([placed], [placed.centre]) | LIGHTS[kind])
 
 
-def make_renderer(objects: Sequence[Placed], ambient: Sequence[Light]) -> Renderer:
+def make_renderer(objects: Sequence[Placed]) -> Renderer:
     """Return the renderer for the Mitsuba variant that is set (`choose_engine`)."""
     if mi.variant() == VARIANTS["scalar"]:
-        return SuperposedRenderer(objects, ambient)
-    return LinkedRenderer(objects, ambient)
+        return SuperposedRenderer(objects)
+    return LinkedRenderer(objects)

@@ -12,10 +12,12 @@ from algorithms.light import Light
 from stimuli.materials import Material
 from stimuli.mesh import Mesh, Value, to_mitsuba
 
-LIGHT: Final[dict[str, Any]] = {
-    "light": {"type": "directional", "irradiance": {"type": "rgb", "value": 1.0}}
+_ONE: Final = {"type": "rgb", "value": 1.0}
+LIGHTS: Final[dict[str, Any]] = {
+    "directional": {"light": {"type": "directional", "irradiance": _ONE}},
+    "point": {"light": {"type": "point", "position": [0, 0, 0], "intensity": _ONE}},
 }
-"""The scene entry of a light that `turn_light` turns."""
+"""The scene entries of lights that `set_light` sets."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,8 @@ class Placed:
     mesh
         Around the origin, of radius 1 at most.
     material, albedo
-        How it reflects, and its diffuse albedo over latitude and longitude `(rows, columns)`.
+        How it reflects, and its diffuse albedo over latitude and longitude, `(rows, columns)` or,
+        where it has a colour, `(rows, columns, 3)`.
     centre
         Where it stands, `(x, y)` in object radii from the image's centre; y up.
     """
@@ -54,12 +57,17 @@ def _mesh(placed: Placed, centre: tuple[float, float], number: int) -> Value:
     return shape
 
 
-def turn_light(scene: Value, light: Light) -> None:
-    """Turn a scene's `LIGHT` into another one."""
+def set_light(scene: Value, light: Light, centre: tuple[float, float]) -> None:
+    """Make a light of a scene's entry of `LIGHTS`, for the object at that centre."""
     parameters = mi.traverse(scene)
-    target = (-light.direction).tolist()
-    # Any vector that is not parallel will do: a directional light has no roll.
-    up = np.eye(3)[np.argmin(np.abs(light.direction))].tolist()
-    parameters["light.to_world"] = mi.ScalarTransform4f().look_at([0, 0, 0], target, up)
-    parameters["light.irradiance.value"] = [light.intensity] * 3
+    if light.distance is None:
+        target = (-light.direction).tolist()
+        # Any vector that is not parallel will do: a directional light has no roll.
+        up = np.eye(3)[np.argmin(np.abs(light.direction))].tolist()
+        parameters["light.to_world"] = mi.ScalarTransform4f().look_at([0, 0, 0], target, up)
+        parameters["light.irradiance.value"] = [light.intensity] * 3
+    else:
+        place = np.array([*centre, 0.0]) + light.distance * light.direction
+        parameters["light.position"] = place.tolist()
+        parameters["light.intensity.value"] = [light.intensity * light.distance**2] * 3
     parameters.update()

@@ -7,43 +7,28 @@ leaves open is taken as follows: the key lights turn about the vertical axis, ar
 which of the two lights is the wrong one is drawn for each image; objects shade themselves only.
 """
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Final
 
 import numpy as np
 
 from algorithms.errors import InputError
-from algorithms.images import read_image, write_channels, write_image, write_labels
-from algorithms.light import Light
-from stimuli.arrangement import BACKGROUND, COARSE, FULL, QUICK, place_objects
-from stimuli.camera import View
+from stimuli.arrangement import FULL, QUICK, place_objects
 from stimuli.engine import choose_engine
-from stimuli.luminance_observer import HitRate, experienced_hit_rates, outlier_hit_rates
-from stimuli.making import (
-    Progress,
-    Recipe,
-    current_versions,
-    digests,
-    no_progress,
-    open_set_folder,
-)
-from stimuli.manifest import Role, Stimulus, StimulusSet
+from stimuli.linked_set import LinkedImage, linked_plan
+from stimuli.making import Plan, Progress, make_set, no_progress, recipe_of
+from stimuli.manifest import Role, StimulusSet
 from stimuli.materials import TABLE_2_1, Finish
-from stimuli.render import Renderer, make_renderer
-from stimuli.rigs import AMBIENT, CENTRE_ELEVATIONS_DEG, diverging_keys
+from stimuli.rigs import CENTRE_ELEVATIONS_DEG, diverging_keys
+from stimuli.scene import Placed
 
 LEVELS_DEG: Final = tuple(range(0, 91, 10))
 FINISHES: Final[tuple[Finish, ...]] = ("diffuse", "shiny")
 # Diffuse and shiny alternate; the two checkerboards stand at opposite corners.
 MAIN_ORDER: Final = "dagbchfe"
 PRACTICE_ORDER: Final = "hbecfgad"
-
-_CLIPPED_SHARE: Final = 0.0005
-
-Scene = Literal["main", "practice"]
 
 
 @dataclass(frozen=True)
@@ -86,24 +71,30 @@ class Cell:
         )
 
     @property
-    def file(self) -> str:
-        """Where its image goes."""
-        return f"images/{self.role}-{self.number:03d}.png"
-
-    @property
     def order(self) -> str:
         """The letters of its scene's objects in reading order."""
         return MAIN_ORDER if self.role == "main" else PRACTICE_ORDER
 
-    @property
-    def lights(self) -> tuple[Light, Light]:
-        """The key light of the other objects, and the target's."""
-        return diverging_keys(self.placement, self.divergence_deg, self.side)
-
-    def keys(self) -> list[Light]:
-        """Return the key light of each object in reading order."""
-        key, wrong = self.lights
-        return [wrong if letter == self.target else key for letter in self.order]
+    def image(self) -> LinkedImage:
+        """Return what is to be rendered."""
+        key, target_key = diverging_keys(self.placement, self.divergence_deg, self.side)
+        return LinkedImage(
+            id=self.id,
+            role=self.role,
+            number=self.number,
+            factors={
+                "divergence_deg": self.divergence_deg,
+                "placement": self.placement,
+                "material": self.material,
+                "target": self.target,
+                "replicate": self.replicate,
+            },
+            scene="main" if self.role == "main" else "practice",
+            objects=self.order,
+            target=self.order.index(self.target) + 1,
+            key=key,
+            target_key=target_key,
+        )
 
 
 def make(
@@ -137,7 +128,8 @@ def make(
     -------
     The set, as written. Of every image: factors `divergence_deg`, `placement`, `material`, `target`
     and `replicate`; the target's region as the answer, None at 0 degrees; `regions`, and the ground
-    truth `distance`, `normal` and `albedo`, which all images of one scene share; its lights.
+    truth `distance`, `relief`, `normal` and `albedo`, which all images of one scene share;
+    `shading`; its lights.
 
     Raises
     ------
@@ -146,20 +138,22 @@ def make(
     UnavailableError
         If the requested engine does not work here.
     """
-    for name, value, lowest in (("seed", seed, 0), ("replicates", replicates, 1)):
-        if value < lowest:
-            raise InputError(f"{name}: {value} given, {lowest} or more accepted")
-    chosen = choose_engine(engine)
+    if replicates < 1:
+        raise InputError(f"replicates: {replicates} given, 1 or more accepted")
     parameters = {"quick": quick, "replicates": replicates}
-    recipe = Recipe(
-        "divergence", f"{__name__}.make", parameters, seed, chosen, current_versions(chosen)
-    )
-    if finished := open_set_folder(folder, recipe):
-        return finished
-    cells = plan(np.random.default_rng([seed, 0]), quick=quick, replicates=replicates)
-    view = QUICK if quick else FULL
-    exposure = _render_missing(folder, cells, view, seed, progress)
-    return _describe(folder, recipe, cells, exposure, view)
+    recipe = recipe_of("divergence", f"{__name__}.make", parameters, seed, choose_engine(engine))
+
+    def place(scene: str, coarseness: int) -> list[Placed]:
+        order, stream = {"main": (MAIN_ORDER, 1), "practice": (PRACTICE_ORDER, 2)}[scene]
+        return place_letters(order, np.random.default_rng([seed, stream]), coarseness)
+
+    def plan_set() -> Plan:
+        cells = plan(np.random.default_rng([seed, 0]), quick=quick, replicates=replicates)
+        names = dict(enumerate(MAIN_ORDER, start=1))
+        images = [cell.image() for cell in cells]
+        return linked_plan(images, place, QUICK if quick else FULL, names)
+
+    return make_set(folder, recipe, plan_set, progress)
 
 
 def plan(generator: np.random.Generator, *, quick: bool, replicates: int) -> tuple[Cell, ...]:
@@ -188,127 +182,10 @@ def plan(generator: np.random.Generator, *, quick: bool, replicates: int) -> tup
     return tuple(cells)
 
 
+def place_letters(order: str, generator: np.random.Generator, coarseness: int = 1) -> list[Placed]:
+    """Return the objects of table 2.1 in an order of their letters; see `place_objects`."""
+    return place_objects([TABLE_2_1[letter] for letter in order], generator, coarseness)
+
+
 def _letters(finish: Finish) -> list[str]:
     return [letter for letter, material in TABLE_2_1.items() if material.finish == finish]
-
-
-class _Scenes:
-    """The renderers of the two scenes, each built when it is first needed."""
-
-    def __init__(self, seed: int) -> None:
-        self._seed = seed
-        self._renderers: dict[str, Renderer] = {}
-
-    def of(self, cell: Cell) -> Renderer:
-        if cell.order not in self._renderers:
-            stream = 1 if cell.order == MAIN_ORDER else 2
-            objects = place_objects(cell.order, np.random.default_rng([self._seed, stream]))
-            self._renderers[cell.order] = make_renderer(objects, AMBIENT)
-        return self._renderers[cell.order]
-
-
-def _scene_name(cell: Cell) -> Scene:
-    return "main" if cell.role == "main" else "practice"
-
-
-def _render_missing(
-    folder: Path, cells: Sequence[Cell], view: View, seed: int, progress: Progress
-) -> float:
-    scenes = _Scenes(seed)
-    exposure = _exposure(scenes, cells)
-    (folder / "images").mkdir(exist_ok=True)
-    (folder / "truth").mkdir(exist_ok=True)
-    for cell in {_scene_name(cell): cell for cell in cells}.values():
-        _write_truth(folder, cell, scenes, view)
-    for done, cell in enumerate(cells):
-        progress(done, len(cells))
-        if not (folder / cell.file).is_file():
-            radiance, coverage = scenes.of(cell).radiance(view, cell.keys())
-            background = (1 - coverage[..., None]) * np.float32(BACKGROUND)
-            write_image(folder / cell.file, radiance * np.float32(exposure) + background)
-    progress(len(cells), len(cells))
-    return exposure
-
-
-def _exposure(scenes: _Scenes, cells: Sequence[Cell]) -> float:
-    """Return the exposure at which, over small versions of all images, few pixels are clipped."""
-    peaks = [scenes.of(cell).radiance(COARSE, cell.keys())[0].max(axis=-1) for cell in cells]
-    return float(1 / np.quantile(np.array(peaks), 1 - _CLIPPED_SHARE))
-
-
-def _truth_files(scene: Scene) -> dict[str, str]:
-    return {name: f"truth/{scene}-{name}.exr" for name in ("distance", "normal", "albedo")}
-
-
-def _regions_file(scene: Scene) -> str:
-    return f"truth/{scene}-regions.png"
-
-
-def _write_truth(folder: Path, cell: Cell, scenes: _Scenes, view: View) -> None:
-    scene = _scene_name(cell)
-    files = _truth_files(scene)
-    if all((folder / file).is_file() for file in (_regions_file(scene), *files.values())):
-        return
-    truth = scenes.of(cell).ground_truth(view)
-    write_labels(folder / _regions_file(scene), truth.regions)
-    for name, file in files.items():
-        write_channels(folder / file, getattr(truth, name))
-
-
-def _describe(
-    folder: Path, recipe: Recipe, cells: Sequence[Cell], exposure: float, view: View
-) -> StimulusSet:
-    described: dict[str, Any] = {
-        **asdict(recipe),
-        "exposure": exposure,
-        "objects": dict(enumerate(MAIN_ORDER, start=1)),
-        "files": digests(folder),
-        "stimuli": tuple(_stimulus(cell) for cell in cells),
-    }
-    shown = StimulusSet(**described).in_folder(folder)
-    details = {
-        "camera": {"projection": "orthographic", **asdict(view)},
-        "background_display": BACKGROUND,
-        "clipped_share": _clipped_share(folder, cells),
-        "luminance_observers": {
-            "outlier": [_rate(rate) for rate in outlier_hit_rates(shown, "divergence_deg")],
-            "experienced": [_rate(rate) for rate in experienced_hit_rates(shown, "divergence_deg")],
-        },
-    }
-    return StimulusSet(**described, details=details).write(folder)
-
-
-def _rate(rate: HitRate) -> dict[str, float]:
-    return asdict(rate) | {"hit_rate": rate.hits / rate.images}
-
-
-def _stimulus(cell: Cell) -> Stimulus:
-    scene = _scene_name(cell)
-    key, wrong = cell.lights
-    return Stimulus(
-        id=cell.id,
-        file=cell.file,
-        role=cell.role,
-        factors={
-            "divergence_deg": cell.divergence_deg,
-            "placement": cell.placement,
-            "material": cell.material,
-            "target": cell.target,
-            "replicate": cell.replicate,
-        },
-        answer=cell.order.index(cell.target) + 1 if cell.divergence_deg else None,
-        regions=_regions_file(scene),
-        truth=_truth_files(scene),
-        details={
-            "objects": {str(label): letter for label, letter in enumerate(cell.order, start=1)},
-            "key": asdict(key),
-            "target_key": asdict(wrong),
-            "ambient": [asdict(light) for light in AMBIENT],
-        },
-    )
-
-
-def _clipped_share(folder: Path, cells: Sequence[Cell]) -> float:
-    """Return the share of pixels of the whole set that reached the top of the scale."""
-    shares = [(read_image(folder / cell.file) >= 1).any(axis=-1).mean() for cell in cells]
-    return float(np.mean(shares))

@@ -1,19 +1,18 @@
 """What the tests of the stimuli share: engines, a rendered set, and a way to render one quickly."""
 
 from collections.abc import Callable
-from functools import partial, partialmethod
+from functools import partial
+from itertools import product
 
 import numpy as np
 import pytest
 
-from stimuli import arrangement
+from stimuli import arrangement, linked_set
 from stimuli.camera import View
 from stimuli.engine import Engine, choose_engine, engine_report
 from stimuli.manifest import StimulusSet
 from stimuli.render import Renderer, make_renderer
-from stimuli.rigs import AMBIENT
 from stimuli.sets import divergence
-from stimuli.shapes import AbstractShape
 from tests.conftest import require
 
 QUICK_SEED = 2011
@@ -45,7 +44,7 @@ def quick_set(tmp_path_factory: pytest.TempPathFactory) -> StimulusSet:
 def _main_renderer() -> Renderer:
     choose_engine()
     generator = np.random.default_rng([QUICK_SEED, 1])
-    return make_renderer(arrangement.place_objects(divergence.MAIN_ORDER, generator), AMBIENT)
+    return make_renderer(divergence.place_letters(divergence.MAIN_ORDER, generator))
 
 
 @pytest.fixture
@@ -56,12 +55,17 @@ def main_renderer(_main_renderer: Renderer) -> Renderer:
 
 
 @pytest.fixture
-def make_tiny(monkeypatch: pytest.MonkeyPatch) -> Callable[..., StimulusSet]:
-    """Make the quick set with the real code, from coarse meshes in tiny images."""
-    monkeypatch.setattr(arrangement, "_texture_size", lambda _: (8, 16))
-    monkeypatch.setattr(AbstractShape, "mesh", partialmethod(AbstractShape.mesh, 24, 48))
-    view = View(width_px=64, height_px=38, radius_px=6.5, samples=4)
-    for name in ("QUICK", "FULL", "COARSE"):
-        monkeypatch.setattr(divergence, name, view)
-
+def make_tiny(tiny: None) -> Callable[..., StimulusSet]:  # noqa: ARG001
+    """Make the quick set of experiment 1 with the real code, tiny."""
     return partial(divergence.make, seed=5, quick=True)
+
+
+@pytest.fixture
+def tiny(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make sets of linked lights from coarse meshes in tiny images."""
+    monkeypatch.setattr(arrangement, "_texture_size", lambda _: (8, 16))
+    monkeypatch.setattr(arrangement, "_MESH_SIZE", (24, 48))
+    view = View(width_px=64, height_px=38, radius_px=6.5, samples=4)
+    monkeypatch.setattr(linked_set, "COARSE", view)
+    for module, name in product((divergence,), ("QUICK", "FULL")):
+        monkeypatch.setattr(module, name, view)

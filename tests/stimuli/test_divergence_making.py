@@ -85,7 +85,8 @@ def test_only_what_is_altered_or_missing_is_made_again(make_tiny: Make, tmp_path
     assert contents(made.folder) == old
     after = times_ns(made.folder)
     redone = {name for name in before if after[name] != before[name]}
-    assert redone == {"main-003.png", "main-004.png"}
+    # The ground truth that the images share comes with the first of them.
+    assert redone == {"main-000.png", "main-003.png", "main-004.png"}
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import pytest
 
 from algorithms.light import angle_between_deg
 from stimuli.materials import TABLE_2_1
+from stimuli.rigs import AMBIENT
 from stimuli.sets.divergence import MAIN_ORDER, PRACTICE_ORDER, Cell, plan
 
 LEVELS_DEG = range(0, 91, 10)
@@ -73,22 +74,24 @@ def test_target_has_the_finish_of_its_cell() -> None:
 
 def test_no_image_stands_twice() -> None:
     cells = cells_of(replicates=8)
-    assert len({cell.id for cell in cells}) == len({cell.file for cell in cells}) == len(cells)
+    assert (
+        len({cell.id for cell in cells}) == len({cell.image().stem for cell in cells}) == len(cells)
+    )
 
 
 def test_only_the_target_has_another_key_light() -> None:
     for cell in cells_of():
-        keys = dict(zip(cell.order, cell.keys(), strict=True))
-        wrong = keys.pop(cell.target)
-        assert len(set(keys.values())) == 1
-        (key,) = set(keys.values())
+        rigs = dict(zip(cell.order, cell.image().rigs(), strict=True))
+        wrong, *ambient = rigs.pop(cell.target)
+        ((key, *others),) = set(rigs.values())
+        assert ambient == others == list(AMBIENT)
         assert angle_between_deg(key, wrong) == pytest.approx(cell.divergence_deg)
 
 
 def test_file_name_tells_nothing_about_the_answer() -> None:
     # Property: with the same place in the design, another target has the same file.
     for first, second in zip(cells_of(1), cells_of(2), strict=True):
-        assert first.file == second.file
+        assert first.image().stem == second.image().stem
 
 
 def test_targets_and_sides_are_drawn() -> None:

@@ -17,6 +17,7 @@ from stimuli.luminance_observer import outlier_hit_rates
 from stimuli.manifest import Stimulus, StimulusSet, load
 from stimuli.materials import TABLE_2_1
 from stimuli.render import Renderer
+from stimuli.rigs import AMBIENT
 from stimuli.sets import divergence
 
 
@@ -85,7 +86,7 @@ def test_ground_truth_is_complete(quick_set: StimulusSet) -> None:
     for stimulus in (quick_set.stimuli[0], quick_set.stimuli[-1]):
         seen = regions_of(quick_set, stimulus) > 0
         truth = {name: read_channels(quick_set.path(file)) for name, file in stimulus.truth.items()}
-        assert truth.keys() == {"distance", "normal", "albedo"}
+        assert truth.keys() == {"distance", "relief", "normal", "albedo", "shading"}
         assert (np.isfinite(truth["distance"][..., 0]) == seen).all()
         lengths = np.linalg.norm(truth["normal"], axis=-1)
         assert_allclose(lengths, seen, atol=1e-4)
@@ -108,9 +109,9 @@ def shown(
     renderer: Renderer, stimuli: StimulusSet, keys: list[Light], path: Path
 ) -> NDArray[np.uint8]:
     """Render with the set's one exposure, and return the encoded values."""
-    radiance, coverage = renderer.radiance(QUICK, keys)
-    background = (1 - coverage[..., None]) * np.float32(BACKGROUND)
-    write_image(path, radiance * np.float32(stimuli.exposure) + background)
+    made = renderer.render(QUICK, [(key, *AMBIENT) for key in keys])
+    background = (1 - made.coverage[..., None]) * np.float32(BACKGROUND)
+    write_image(path, made.radiance * np.float32(stimuli.exposure) + background)
     return digits(path)
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from stimuli.materials import TABLE_2_1, Material
+from stimuli.materials import TABLE_2_1, Material, exponent_of, roughness_of
 from stimuli.shapes import sphere_directions
 
 POINTS = sphere_directions(64, 128)
@@ -17,14 +17,15 @@ def test_finishes_and_patterns_of_table_2_1() -> None:
     # Published: Lopez-Moreno 2011, table 2.1.
     assert {letter: (m.finish, m.pattern) for letter, m in TABLE_2_1.items()} == {
         "a": ("diffuse", "plain"),
-        "b": ("diffuse", "perlin-high"),
+        "b": ("diffuse", "perlin"),
         "c": ("diffuse", "plain"),
         "d": ("shiny", "checkerboard"),
         "e": ("shiny", "checkerboard"),
         "f": ("diffuse", "plain"),
-        "g": ("shiny", "perlin-low"),
+        "g": ("shiny", "perlin"),
         "h": ("shiny", "plain"),
     }
+    assert TABLE_2_1["b"].frequency > TABLE_2_1["g"].frequency  # P(h) and P(l)
 
 
 @pytest.mark.parametrize("letter", TABLE_2_1)
@@ -52,9 +53,10 @@ def test_checkerboard_has_two_tones_in_equal_parts() -> None:
     assert_allclose(np.average(albedo == albedo.max(), weights=area), 0.5, atol=0.1)
 
 
-def test_neighbouring_tiles_differ() -> None:
+@pytest.mark.parametrize("frequency", [2.6, 5.2])
+def test_neighbouring_tiles_differ(frequency: float) -> None:
     # Definition: a step of a tile's width along the texture's own axis changes the tone.
-    board = Material("diffuse", "checkerboard", (0.0, 1.0))
+    board = Material("diffuse", "checkerboard", (0.0, 1.0), frequency)
     line = np.linspace(0, 4, 4001)
     tones = [
         board.albedo_at(line[:, None] * axis, np.random.default_rng(1))
@@ -63,7 +65,13 @@ def test_neighbouring_tiles_differ() -> None:
     for tone in tones:
         borders = line[1:][np.diff(tone) != 0]
         assert len(borders) > 5
-        assert_allclose(np.diff(borders), np.diff(borders).mean(), atol=0.003)
+        assert_allclose(np.diff(borders), 1 / frequency, atol=0.003)
+
+
+def test_halved_shininess() -> None:
+    # Theory: Walter et al. 2007, the roughness that goes with a Blinn-Phong exponent.
+    assert exponent_of(0.16) == pytest.approx(76.125)
+    assert exponent_of(roughness_of(40)) == pytest.approx(40)
 
 
 def test_high_frequency_noise_is_finer_than_low() -> None:
