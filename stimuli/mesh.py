@@ -7,6 +7,8 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from algorithms.errors import InputError
+
 Value = Any
 """A value of Mitsuba's or Dr.Jit's, whose types depend on the variant."""
 
@@ -50,22 +52,26 @@ class Mesh:
     @property
     def is_closed(self) -> bool:
         """Whether every edge is shared by exactly two faces, of like orientation."""
+        return len(self.welded_faces()) > 0 and self.open_edges == 0
+
+    @property
+    def open_edges(self) -> int:
+        """How many ways along edges are not one face's there and another's back, seams welded."""
         corners = self.welded_faces()
         edges = np.concatenate([corners[:, [i, (i + 1) % 3]] for i in range(3)])
-        ways = edges @ np.array([len(self.vertices), 1])
-        back = edges @ np.array([1, len(self.vertices)])
-        ways.sort()
-        back.sort()
-        return len(ways) > 0 and bool((np.diff(ways) > 0).all() and (ways == back).all())
+        ways, count = np.unique(edges @ np.array([len(self.vertices), 1]), return_counts=True)
+        back = ways % len(self.vertices) * len(self.vertices) + ways // len(self.vertices)
+        return int(((count != 1) | ~np.isin(back, ways[count == 1])).sum())
 
     def welded_faces(self) -> NDArray[np.int64]:
         """Return the faces with one index a position, `(k, 3)`, without those that have no area."""
         grid = self.bounding_radius * _WELD_TOLERANCE
         places = (self.vertices / grid).round() if grid else self.vertices
-        # Adding 0 turns -0 into 0, which are one place but two patterns of bits.
-        keys = np.ascontiguousarray(places + 0.0).view([("", np.float64)] * 3)
-        _, number = np.unique(keys, return_inverse=True)
-        corners = number.reshape(-1)[self.faces]
+        order = np.lexsort(places.T)
+        differs = (np.diff(places[order], axis=0) != 0).any(axis=1)
+        number = np.empty(len(places), dtype=np.int64)
+        number[order] = np.concatenate([[0], differs.cumsum()])
+        corners = number[self.faces]
         proper = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
         return np.asarray(corners[proper])
 
@@ -82,6 +88,56 @@ class Mesh:
         middle = (self.vertices.min(axis=0) + self.vertices.max(axis=0)) / 2
         centred = self.moved(-middle)
         return centred.moved(np.zeros(3), 1 / centred.bounding_radius)
+
+
+def require_closed(mesh: Mesh, name: str) -> None:
+    """Refuse a mesh without an inside, such as glass and other volumes need.
+
+    Raises
+    ------
+    InputError
+        If the mesh is not closed, or turned inside out; the message names it.
+    """
+    if not mesh.is_closed:
+        raise InputError(
+            f"{name}: a closed surface is accepted; {mesh.open_edges} of {3 * len(mesh.faces)} edges "
+            "do not lie between just two faces of like orientation"
+        )
+    if mesh.volume <= 0:
+        raise InputError(f"{name}: faces counter-clockwise as seen from outside are accepted")
+
+
+def grid_mesh(vertices: NDArray[np.float64], normals: NDArray[np.float64]) -> Mesh:
+    """Return the closed mesh of a surface laid out from pole to pole, like a globe's map.
+
+    Parameters
+    ----------
+    vertices, normals
+        `(rows + 1, columns + 1, 3)`: rows from the pole at +y to the one at -y, whose vertices
+        are all one point; columns around y from +z over +x, the last equal to the first.
+
+    Returns
+    -------
+    The mesh; its texture coordinates count columns and rows from 0 to 1.
+    """
+    rows, columns = vertices.shape[0] - 1, vertices.shape[1] - 1
+    u, v = np.meshgrid(np.arange(columns + 1) / columns, np.arange(rows + 1) / rows)
+    return Mesh(
+        vertices.reshape(-1, 3),
+        normals.reshape(-1, 3),
+        np.stack([u, v], axis=-1).reshape(-1, 2),
+        _grid_faces(rows, columns),
+    )
+
+
+def _grid_faces(rows: int, columns: int) -> NDArray[np.int64]:
+    index = np.arange((rows + 1) * (columns + 1)).reshape(rows + 1, columns + 1)
+    upper_left, upper_right = index[:-1, :-1], index[:-1, 1:]
+    lower_left, lower_right = index[1:, :-1], index[1:, 1:]
+    # At the poles one of a quadrilateral's two triangles has no area.
+    first = np.stack([upper_left, lower_left, lower_right], axis=-1)[:-1]
+    second = np.stack([upper_left, lower_right, upper_right], axis=-1)[1:]
+    return np.concatenate([first.reshape(-1, 3), second.reshape(-1, 3)])
 
 
 def to_mitsuba(mesh: Mesh, bsdf: Value, name: str, **parts: Value) -> Value:
