@@ -63,15 +63,19 @@ class Mesh:
         back = ways % len(self.vertices) * len(self.vertices) + ways // len(self.vertices)
         return int(((count != 1) | ~np.isin(back, ways[count == 1])).sum())
 
+    def places(self) -> NDArray[np.int64]:
+        """Return a number for each vertex `(n,)`, the same for vertices at one position."""
+        grid = self.bounding_radius * _WELD_TOLERANCE
+        rounded = (self.vertices / grid).round() if grid else self.vertices
+        order = np.lexsort(rounded.T)
+        differs = (np.diff(rounded[order], axis=0) != 0).any(axis=1)
+        places = np.empty(len(rounded), dtype=np.int64)
+        places[order] = np.concatenate([[0], differs.cumsum()])
+        return places
+
     def welded_faces(self) -> NDArray[np.int64]:
         """Return the faces with one index a position, `(k, 3)`, without those that have no area."""
-        grid = self.bounding_radius * _WELD_TOLERANCE
-        places = (self.vertices / grid).round() if grid else self.vertices
-        order = np.lexsort(places.T)
-        differs = (np.diff(places[order], axis=0) != 0).any(axis=1)
-        number = np.empty(len(places), dtype=np.int64)
-        number[order] = np.concatenate([[0], differs.cumsum()])
-        corners = number[self.faces]
+        corners = self.places()[self.faces]
         proper = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
         return np.asarray(corners[proper])
 
@@ -100,8 +104,8 @@ def require_closed(mesh: Mesh, name: str) -> None:
     """
     if not mesh.is_closed:
         raise InputError(
-            f"{name}: a closed surface is accepted; {mesh.open_edges} of {3 * len(mesh.faces)} edges "
-            "do not lie between just two faces of like orientation"
+            f"{name}: a closed surface is accepted; {mesh.open_edges} of {3 * len(mesh.faces)} "
+            "edges do not lie between just two faces of like orientation"
         )
     if mesh.volume <= 0:
         raise InputError(f"{name}: faces counter-clockwise as seen from outside are accepted")
