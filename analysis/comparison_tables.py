@@ -28,9 +28,9 @@ def pair_table(responses: pd.DataFrame, study: Study, stimuli: StimulusSet) -> p
     Returns
     -------
     pandas.DataFrame
-        `participant`, `session`, `trial_index`, each factor of `stimuli.within`, `first` and
-        `second` (the items in their places), `chosen` (one of them; missing where no answer was
-        given), `answer` (1 or 2), `reaction_time_s`, `simulated`, `pilot`.
+        `participant`, `session`, `trial_index`, each factor of `stimuli.within`, `item_a`
+        and `item_b` (the items in the first and the second place), `chosen` (one of them; missing
+        where no answer was given), `answer` (1 or 2), `reaction_time_s`, `simulated`, `pilot`.
 
     Raises
     ------
@@ -38,7 +38,7 @@ def pair_table(responses: pd.DataFrame, study: Study, stimuli: StimulusSet) -> p
         If a column is missing, nothing was answered, or a row does not fit study and stimuli.
     """
     table, items = _answered(responses, study, stimuli, "two-alternative")
-    table["first"], table["second"] = ([pair[place] for pair in items] for place in (0, 1))
+    table["item_a"], table["item_b"] = ([pair[place] for pair in items] for place in (0, 1))
     table["chosen"] = [
         None if pd.isna(answer) else pair[int(answer) - 1]
         for pair, answer in zip(items, table["answer"], strict=True)

@@ -14,7 +14,7 @@ from analysis.chance import ChanceLimit
 from analysis.estimates import Estimate, to_json
 from analysis.exclusions import Who
 from analysis.figures.style import SIMULATED_TEXT, figure_bytes
-from analysis.naming import level_name
+from analysis.naming import level_name, p_text
 from analysis.participants import describe_participants
 from analysis.study_analysis import StudyAnalysis, analyse_study
 from analysis.tables import study_tables
@@ -57,7 +57,15 @@ def _limit(limit: ChanceLimit | None) -> str:
     return f"{'≥ ' if limit.at_largest_level else ''}{limit.level:g}"
 
 
+def _interval_of_two_decimals(estimate: Estimate) -> str:
+    if math.isnan(estimate.low):
+        return ""
+    return f"[{estimate.low:.2f}, {estimate.high:.2f}]"
+
+
 _TEMPLATES.filters |= {
+    "interval2": _interval_of_two_decimals,
+    "p": p_text,
     "value": _value,
     "interval": _interval,
     "percent": _percent,

@@ -125,6 +125,9 @@ class TaskModule(Protocol):
 
 _MODULES: Final[Mapping[Task, str]] = {
     "odd-one-out": "odd_one_out",
+    "two-alternative": "two_alternative",
+    "ranking": "ranking",
+    "yes-no": "yes_no",
 }
 
 

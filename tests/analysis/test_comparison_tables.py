@@ -38,8 +38,8 @@ def test_pairs_say_what_was_shown_and_chosen(answered: Any, drawn_set: StimulusS
     rows, given = (each.to_dict("records") for each in (table, responses))
     for row, response in zip(rows, given, strict=True):
         left, right = (drawn_set[each].factors for each in response["stimuli"])
-        assert (row["first"], row["second"]) == (left["placement"], right["placement"])
-        assert row["chosen"] == (row["first"], row["second"])[response["answer"] - 1]
+        assert (row["item_a"], row["item_b"]) == (left["placement"], right["placement"])
+        assert row["chosen"] == (row["item_a"], row["item_b"])[response["answer"] - 1]
         assert row["material"] == left["material"] == right["material"]
         assert float(row["divergence_deg"]) == left["divergence_deg"]
     assert (table["chosen"] == "back").sum() > 0.8 * (2 / 3) * len(table)
