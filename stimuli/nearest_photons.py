@@ -18,6 +18,7 @@ from stimuli.photon_kernel import kernel_weight, normalised
 Vectors = NDArray[np.float32]
 
 _POINTS_AT_A_TIME: Final = 1 << 17
+_LEAST_REACH: Final = 1e-12  # where so many photons lie in one point, its light is infinite
 
 
 class NearestPhotons:
@@ -52,16 +53,15 @@ class NearestPhotons:
         -------
         float32 `(n, 3)`: power by area.
         """
-        count = min(count, self._tree.n)
         parts = []
         for start in range(0, len(points), _POINTS_AT_A_TIME):
             part = slice(start, start + _POINTS_AT_A_TIME)
             distances, photons = self._tree.query(
                 points[part], count, distance_upper_bound=farthest, workers=-1
             )
-            shape = (len(points[part]), count)  # one neighbour comes without an axis of its own
-            reach = np.minimum(distances.reshape(shape)[:, -1], farthest)
-            found = photons.reshape(shape).astype(np.uint32)
+            # Where there are fewer photons the rank is infinitely far, and the density 0.
+            reach = np.clip(distances[:, -1], _LEAST_REACH, farthest)
+            found = photons.astype(np.uint32)
             parts.append(self._density(found, points[part], normals[part], reach))
         return np.concatenate(parts)
 

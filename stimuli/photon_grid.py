@@ -62,9 +62,10 @@ class PhotonGrid:
         starts = self._starts_of_runs(photons)
         self._photons = _merged(photons, starts)
         buckets = dr.gather(mi.UInt32, keys, dr.gather(mi.UInt32, order, starts)) >> _VOXEL_BITS
-        counts = dr.zeros(mi.UInt32, (1 << bits) + _NEIGHBOURS)
+        counts = dr.zeros(mi.UInt32, 1 << bits)
         dr.scatter_add(counts, mi.UInt32(1), buckets)
         self._starts = dr.prefix_sum(counts)
+        self._count = dr.opaque(mi.UInt32, dr.width(starts))
         dr.eval(self._starts)
 
     def irradiance(self, points: Value, normals: Value, active: Value = True) -> Value:
@@ -99,11 +100,14 @@ class PhotonGrid:
         """Add the photons of three cells of a row, the first of which is given."""
         _, y, z = cell
         bucket = self._bucket(cell)
+        after = (bucket + _NEIGHBOURS) & self._mask
         start = dr.gather(mi.UInt32, self._starts, bucket, active)
-        end = dr.gather(mi.UInt32, self._starts, bucket + _NEIGHBOURS, active)
+        end = dr.gather(mi.UInt32, self._starts, after, active)
+        # The table is a ring: its last bucket is followed by the first.
+        left = dr.select(active & (after < bucket), self._count, 0) + end - start
         photons = self._photons
 
-        def add(index: Value, total: Value) -> tuple[Value, Value]:
+        def add(index: Value, left: Value, total: Value) -> tuple[Value, Value, Value]:
             position = dr.gather(mi.Point3f, photons.position, index)
             # Another row's cells may share the bucket.
             home = self._cell(position)
@@ -115,9 +119,10 @@ class PhotonGrid:
             )
             weight = dr.select(here, weight, 0)
             power = dr.gather(mi.Color3f, photons.power, index, weight > 0)
-            return index + 1, total + power * weight
+            following = dr.select(index + 1 < self._count, index + 1, 0)
+            return following, left - 1, total + power * weight
 
-        _, total = dr.while_loop((start, total), lambda index, _total: index < end, add)
+        *_, total = dr.while_loop((start, left, total), lambda _, left, _total: left > 0, add)
         return total
 
     def _starts_of_runs(self, photons: _Photons) -> Value:
@@ -142,7 +147,8 @@ class PhotonGrid:
     def _voxel(self, points: Value) -> Value:
         """Return the number of the points' voxel in their cell."""
         place = points / self._radius
-        x, y, z = mi.Vector3u((place - dr.floor(place)) * _VOXELS)
+        # Below a cell's border the fraction may be rounded up to 1.
+        x, y, z = dr.minimum(mi.Vector3u((place - dr.floor(place)) * _VOXELS), _VOXELS - 1)
         return (x * _VOXELS + y) * _VOXELS + z
 
 

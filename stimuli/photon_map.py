@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import reduce
+from operator import add
 from typing import Self
 
 import drjit as dr
@@ -74,11 +76,8 @@ class PhotonMap:
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
         """Return the photons of several maps in one."""
-        if len(parts) == 1:
-            return parts[0]
-        energy = parts[0].energy
-        for part in parts[1:]:
-            energy = energy + part.energy
+        energy = reduce(add, [part.energy for part in parts])
+        parts = [part for part in parts if len(part)] or parts[:1]
         return cls(
             _concatenated([part.position for part in parts]),
             _concatenated([part.normal for part in parts]),

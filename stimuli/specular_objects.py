@@ -50,8 +50,9 @@ def aims_of(scene: Value) -> tuple[Aim, ...]:
 
 def _aim(shape: Value) -> Aim:
     glass = is_glass(shape.bsdf().flags())
-    if shape.is_mesh():
-        return _around(_vertices(shape, closed=glass))
+    parameters = mi.traverse(shape)
+    if "vertex_positions" in parameters:  # a `rectangle` is a mesh too, but keeps them for itself
+        return _around(_vertices(shape, parameters, closed=glass))
     box = shape.bbox()
     corners = np.array([np.ravel(box.min), np.ravel(box.max)], np.float64)
     _require_finite(corners, shape)
@@ -67,8 +68,7 @@ def _around(points: Vector) -> Aim:
     return Aim(middle, float(np.linalg.norm(points - middle, axis=1).max()) * _MARGIN)
 
 
-def _vertices(shape: Value, *, closed: bool) -> Vector:
-    parameters = mi.traverse(shape)
+def _vertices(shape: Value, parameters: Value, *, closed: bool) -> Vector:
     vertices = np.array(parameters["vertex_positions"], np.float64).reshape(-1, 3)
     _require_finite(vertices, shape)
     if closed:
