@@ -244,12 +244,12 @@ def agreement_p_value(sigma: int, observers: int, pairs: int) -> tuple[float, st
     kernel, steps = observers // 2 + 1, pairs**2 / 2
     if steps * kernel * (observers / 2) ** 2 > _MOST_WORK_EXACT:
         return kendall_chi_square(sigma, observers, pairs).p_value, "Kendall's chi-square"
-    least, tail = _agreement_tail(observers, pairs)
+    least, tail = agreement_tail(observers, pairs)
     return float(tail[max(0, sigma - least)]), "exact"
 
 
 @cache
-def _agreement_tail(observers: int, pairs: int) -> tuple[int, Matrix]:
+def agreement_tail(observers: int, pairs: int) -> tuple[int, Matrix]:
     """Return the smallest Sigma, and P(Sigma or more) from there on.
 
     The wins of each pair are binomial and independent: a convolution over pairs, of positive

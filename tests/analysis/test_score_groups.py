@@ -209,7 +209,7 @@ def test_what_needs_a_generator_is_left_out_or_refused() -> None:
     assert (result.exact_critical, result.permuted_critical, result.seed) == (None, None, None)
     assert np.isnan([result.formula_size, result.range_p_value, result.permuted_p_value]).all()
     simulated = score_groups(wins, generator=np.random.default_rng(7), critical="exact")
-    assert simulated.null_method == "simulated, 200000 times"
+    assert simulated.null_method == "simulated, 100000 times"
     assert simulated.critical == simulated.exact_critical
     for critical in ("exact", "permuted"):
         with pytest.raises(InputError, match=f"generator: needed for critical='{critical}'"):
