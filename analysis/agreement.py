@@ -18,7 +18,7 @@ from scipy import stats
 from algorithms.errors import InputError
 from analysis.bootstrap import Matrix
 from analysis.estimates import CONFIDENCE, Estimate, seed_of, software_version
-from analysis.item_permutations import PERMUTATIONS, monte_carlo_p_value, permuted_choices
+from analysis.item_permutations import PERMUTATIONS, monte_carlo_p_value, permuted_pair_wins
 from analysis.pair_data import Tournaments, tournaments
 
 _MOST_WORK_EXACT = 5e8  # multiplications; about a second
@@ -291,16 +291,9 @@ def _permutation_p_value(
 ) -> float:
     if generator is None:
         return math.nan
-    conditions, observers, items = choices.shape[:3]
+    observers = choices.shape[1]
     as_much = 0
-    for shuffled in permuted_choices(
-        choices.reshape(-1, items, items),
-        generator,
-        permutations,
-        observers=list(range(observers)) * conditions,
-    ):
-        counts = shuffled.reshape(-1, *choices.shape).sum(axis=2)
-        first = pair_wins(counts)
+    for first in permuted_pair_wins(choices, generator, permutations):
         others = observers - first
         agreeing = (first * (first - 1) + others * (others - 1)).sum(axis=(1, 2)) // 2
         as_much += int((agreeing >= sigma).sum())

@@ -23,6 +23,7 @@ from analysis.estimates import CONFIDENCE, Estimate, software_version
 from analysis.pair_data import Tournaments, tournaments
 
 MOST_ITEMS_EXACT = 10
+_MOST_WORK_EXACT = 1e8  # multiplications of a convolution; a second or so
 
 
 @dataclass(frozen=True)
@@ -136,7 +137,7 @@ def consistency(wins: ArrayLike) -> Consistency:
         chance_zeta=chance_zeta(items),
         p_value=triads_p_value(triads, items),
         items=items,
-        method=_method(items),
+        method=_method(items, 1),
         version=software_version(),
     )
 
@@ -189,7 +190,7 @@ def group_consistency(
         len(by_participant),
         number,
         items,
-        f"{_method(items)}; interval: Student's t over participants",
+        f"{_method(items, number)}; interval: Student's t over participants",
         software_version(),
     )
 
@@ -263,11 +264,19 @@ def triads_p_value(triads: int, items: int, observers: int = 1) -> float:
     items
         3 or more: exact up to 10, by `triads_chi_square` beyond.
     observers
-        1 or more.
+        1 or more: exact up to 250 at 10 items and more with fewer, by `triads_chi_square` beyond.
     """
-    if items <= MOST_ITEMS_EXACT:
+    if exact_is_feasible(items, observers):
         return float(_cumulative_triads(items, observers)[triads])
     return triads_chi_square(triads, items, observers)
+
+
+def exact_is_feasible(items: int, observers: int = 1) -> bool:
+    """Return whether `triads_p_value` is exact for so many."""
+    if items <= 4:  # the chi-square needs 5 or more
+        return True
+    work = (observers * most_circular_triads(items)) ** 2
+    return items <= MOST_ITEMS_EXACT and work <= _MOST_WORK_EXACT
 
 
 def triads_chi_square(triads: int, items: int, observers: int = 1) -> float:
@@ -321,7 +330,7 @@ def _three_or_more(choices: Tournaments) -> int:
     return items
 
 
-def _method(items: int) -> str:
-    if items <= MOST_ITEMS_EXACT:
+def _method(items: int, observers: int) -> str:
+    if exact_is_feasible(items, observers):
         return "Kendall's zeta; p exact, by enumeration"
     return "Kendall's zeta; p by Kendall's chi-square"

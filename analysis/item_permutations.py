@@ -16,15 +16,61 @@ from analysis.pair_data import Tournaments
 
 PERMUTATIONS = 10_000
 _NUMBERS_AT_ONCE = 4_000_000
+_FEWEST, _MOST_NUMBERS = 999, 1_000_000_000
 
 
-def permuted_choices(
+def enough_permutations(wins: Tournaments) -> int:
+    """Return how many shuffles take seconds: 10,000, or down to 999 where answers are very many."""
+    return int(np.clip(_MOST_NUMBERS // max(1, wins.size), _FEWEST, PERMUTATIONS))
+
+
+def permuted_pair_wins(
+    conditions: Tournaments, generator: np.random.Generator, permutations: int
+) -> Iterator[NDArray[np.int64]]:
+    """Yield the wins of the first of each pair of items, the items shuffled within each observer.
+
+    Parameters
+    ----------
+    conditions
+        Shape (c, n, t, t): the same n observers in c conditions, shuffled alike in all of them.
+    generator
+        Shuffles.
+    permutations
+        How many times, 1 or more.
+
+    Yields
+    ------
+    numpy.ndarray
+        Shape (some, c, pairs).
+
+    Raises
+    ------
+    InputError
+        If `permutations` is not positive.
+    """
+    _check_permutations(permutations)
+    _, observers, items = conditions.shape[:3]
+    first, second = np.triu_indices(items, k=1)
+    wins = conditions.astype(np.int8)
+    who = np.arange(observers)[:, None]
+    at_once = max(1, _NUMBERS_AT_ONCE // (observers * items**2))
+    for start in range(0, permutations, at_once):
+        keys = generator.random(
+            (min(at_once, permutations - start), observers, items), dtype=np.float32
+        )
+        order = np.argsort(keys, axis=-1)
+        one, other = order[..., first], order[..., second]
+        shuffled = [own[who, one, other].sum(axis=1, dtype=np.int64) for own in wins]
+        yield np.stack(shuffled, axis=1)
+
+
+def permuted_scores(
     choices: Tournaments,
     generator: np.random.Generator,
     permutations: int,
     observers: Sequence[object] | None = None,
 ) -> Iterator[NDArray[np.int64]]:
-    """Yield tournaments with the items shuffled within each observer, some at a time.
+    """Yield the items' scores with the items shuffled within each observer, some at a time.
 
     Parameters
     ----------
@@ -41,23 +87,21 @@ def permuted_choices(
     Yields
     ------
     numpy.ndarray
-        Shape (some, n, t, t).
+        Shape (some, t).
 
     Raises
     ------
     InputError
         If `observers` has not one entry for each tournament, or `permutations` is not positive.
     """
-    if permutations < 1:
-        raise InputError(f"permutations: {permutations} given, 1 or more accepted")
-    number, items = choices.shape[:2]
-    who = observer_numbers(observers, number)
-    at_once = max(1, _NUMBERS_AT_ONCE // choices.size)
+    _check_permutations(permutations)
+    who = observer_numbers(observers, len(choices))
+    own = np.zeros((int(who.max()) + 1, choices.shape[1]), dtype=np.int64)
+    np.add.at(own, who, choices.sum(axis=2))
+    at_once = max(1, _NUMBERS_AT_ONCE // own.size)
     for start in range(0, permutations, at_once):
         some = min(at_once, permutations - start)
-        order = np.argsort(generator.random((some, int(who.max()) + 1, items)), axis=-1)[:, who]
-        tournament = np.arange(number)[:, None, None]
-        yield choices[tournament, order[..., :, None], order[..., None, :]]
+        yield generator.permuted(np.tile(own, (some, 1, 1)), axis=-1).sum(axis=1)
 
 
 def observer_numbers(observers: Sequence[object] | None, number: int) -> NDArray[np.int64]:
@@ -70,6 +114,11 @@ def observer_numbers(observers: Sequence[object] | None, number: int) -> NDArray
         )
     place = {name: k for k, name in enumerate(dict.fromkeys(observers))}
     return np.array([place[name] for name in observers])
+
+
+def _check_permutations(permutations: int) -> None:
+    if permutations < 1:
+        raise InputError(f"permutations: {permutations} given, 1 or more accepted")
 
 
 def monte_carlo_p_value(as_extreme: int, repetitions: int) -> float:

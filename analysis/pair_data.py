@@ -261,9 +261,9 @@ def complete_tournaments(
 def _known(argument: str, accepted: Sequence[str] | None, found: pd.Series) -> list[str]:
     """Return the names in their order, all of those found being among them."""
     if accepted is None:
-        return sorted(set(found))
+        return sorted(map(str, found.unique()))
     names = [str(name) for name in accepted]
-    unknown = sorted(set(found) - set(names))
+    unknown = sorted(set(map(str, found.unique())) - set(names))
     if unknown:
         raise InputError(f"{argument}: {unknown[0]!r} found, one of {names} accepted")
     if len(set(names)) < len(names):
@@ -272,8 +272,7 @@ def _known(argument: str, accepted: Sequence[str] | None, found: pd.Series) -> l
 
 
 def _places(values: pd.Series, names: list[str]) -> NDArray[np.int64]:
-    place = {name: k for k, name in enumerate(names)}
-    return np.array([place[value] for value in values], dtype=np.int64)
+    return np.asarray(pd.Index(names).get_indexer(pd.Index(values)), dtype=np.int64)
 
 
 def _check_answers(first: pd.Series, second: pd.Series, chosen: pd.Series, tie: str | None) -> None:

@@ -14,6 +14,7 @@ import pandas as pd
 from algorithms.errors import InputError
 from analysis.agreement import Agreement, agreement_over
 from analysis.consistency import GroupConsistency, group_consistency
+from analysis.item_permutations import enough_permutations
 from analysis.pair_data import Tournaments, complete_tournaments, pair_data
 from analysis.scale_fit import ModelName
 from analysis.scaling import PairScale, check_settings, scale_pairs
@@ -111,10 +112,13 @@ def analyse_pairs(
             raise InputError("table: no participant compared every pair once without a tie")
         return conditions
 
+    permutations = enough_permutations(np.concatenate(conditions))
+
     def groups() -> ScoreGroups:
         return score_groups(
             np.concatenate(complete()),
             alpha,
+            permutations=permutations,
             items=data.items,
             observers=people,
             critical=critical,
@@ -135,7 +139,9 @@ def analyse_pairs(
         consistency=attempt(
             "consistency", lambda: group_consistency(np.concatenate(complete()), people)
         ),
-        agreement=attempt("agreement", lambda: agreement_over(complete(), for_agreement)),
+        agreement=attempt(
+            "agreement", lambda: agreement_over(complete(), for_agreement, permutations)
+        ),
         groups=attempt("groups", groups),
         scale=attempt("scale", scale),
         transitivity=attempt("transitivity", lambda: transitivity(data.wins, data.items)),

@@ -22,7 +22,7 @@ from analysis.item_permutations import (
     PERMUTATIONS,
     monte_carlo_p_value,
     observer_numbers,
-    permuted_choices,
+    permuted_scores,
 )
 from analysis.pair_data import Tournaments, item_names, tournaments
 from analysis.score_range import (
@@ -144,7 +144,7 @@ def score_groups(
     critical
         `formula`: the large-sample formula, rounded up. `exact`: the distribution of the range if
         every answer is a coin's (simulated where too large). `permuted`: the distribution with
-        items shuffled within observers.
+        items shuffled within observers; where some items do differ it asks for more than needed.
     generator
         Shuffles and simulates; None: what needs it is left out.
     permutations
@@ -295,8 +295,7 @@ def _shuffled(
     size = len(choices) * (choices.shape[-1] - 1) + 1
     squares = int((np.asarray(scores) ** 2).sum())
     counted, as_far = np.zeros(size), 0
-    for shuffled in permuted_choices(choices, generator, permutations, observers):
-        drawn = shuffled.sum(axis=(1, 3))
+    for drawn in permuted_scores(choices, generator, permutations, observers):
         counted += np.bincount(np.ptp(drawn, axis=1), minlength=size)
         as_far += int(((drawn**2).sum(axis=1) >= squares).sum())
     tail = np.cumsum(counted[::-1])[::-1] / permutations

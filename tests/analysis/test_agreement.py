@@ -21,7 +21,12 @@ from analysis.agreement import (
     pair_wins,
     smallest_agreement,
 )
-from analysis.item_permutations import monte_carlo_p_value, permuted_choices
+from analysis.item_permutations import (
+    enough_permutations,
+    monte_carlo_p_value,
+    permuted_pair_wins,
+    permuted_scores,
+)
 from tests.analysis.published_pairs import CELEBRITIES
 from tests.analysis.test_consistency import coins
 
@@ -169,20 +174,36 @@ def test_permutation_test_is_that_of_all_permutations() -> None:
     assert np.isnan(agreement(wins).permutation_p_value)
 
 
+def test_permutations_shuffle_conditions_alike() -> None:
+    # Theory: one observer with the same order in two conditions wins the same pairs in both.
+    one = np.array([[ORDER], [ORDER], [ORDER.T]])
+    drawn = np.concatenate(list(permuted_pair_wins(one, np.random.default_rng(5), 300)))
+    assert drawn.shape == (300, 3, 3)
+    np.testing.assert_array_equal(drawn[:, 0], drawn[:, 1])
+    np.testing.assert_array_equal(drawn[:, 0], 1 - drawn[:, 2])
+    assert len({shuffle.tobytes() for shuffle in drawn[:, 0]}) == 6  # every order occurs
+
+
 def test_permutations_keep_an_observers_tournaments_together() -> None:
     wins = np.array([ORDER, ORDER, ORDER.T])
-    shuffled = np.concatenate(
-        list(permuted_choices(wins, np.random.default_rng(5), 200, ["p", "p", "q"]))
+    drawn = np.concatenate(
+        list(permuted_scores(wins, np.random.default_rng(5), 300, ["p", "p", "q"]))
     )
-    assert shuffled.shape == (200, 3, 3, 3)
-    np.testing.assert_array_equal(shuffled[:, 0], shuffled[:, 1])
-    assert (shuffled[:, 0] != shuffled[:, 2]).any()
-    assert (shuffled.sum(axis=(2, 3)) == 3).all()
-    assert len({one.tobytes() for one in shuffled[:, 0]}) == 6  # every order occurs
+    assert (drawn.sum(axis=1) == 9).all()
+    # Twice an order and once another: 4, 2, 0 with 2, 1, 0 in any arrangement.
+    expected = {tuple(np.add((4, 2, 0), other)) for other in permutations((2, 1, 0))}
+    assert {tuple(sorted(one, reverse=True)) for one in drawn.tolist()} == {
+        tuple(sorted(one, reverse=True)) for one in expected
+    }
 
 
 def test_monte_carlo_p_value_is_never_zero() -> None:
     assert monte_carlo_p_value(0, 99) == 0.01
+
+
+def test_very_many_answers_are_shuffled_less_often() -> None:
+    assert enough_permutations(np.zeros((44, 6, 6), dtype=np.int64)) == 10_000
+    assert enough_permutations(np.zeros((20_000, 10, 10), dtype=np.int8)) == 999
 
 
 @given(st.integers(2, 12), st.integers(2, 5), st.integers(0, 2**32 - 1))
@@ -211,4 +232,4 @@ def test_refuses() -> None:
     with pytest.raises(InputError, match="permutations: 0 given, 1 or more accepted"):
         agreement([ORDER] * 2, np.random.default_rng(1), permutations=0)
     with pytest.raises(InputError, match="observers: 1 given, one for each of 2 tournaments"):
-        list(permuted_choices(np.array([ORDER] * 2), np.random.default_rng(1), 1, ["p"]))
+        list(permuted_scores(np.array([ORDER] * 2), np.random.default_rng(1), 1, ["p"]))

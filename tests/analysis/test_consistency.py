@@ -11,6 +11,7 @@ from analysis.consistency import (
     chance_zeta,
     circular_triads,
     consistency,
+    exact_is_feasible,
     group_consistency,
     most_circular_triads,
     triad_counts,
@@ -131,6 +132,16 @@ def test_sum_over_observers_of_many_items_is_close_to_simulated_coins() -> None:
     for quantile in (0.05, 0.3):
         total = int(np.quantile(drawn, quantile))
         assert triads_p_value(total, 12, 5) == pytest.approx((drawn <= total).mean(), abs=0.015)
+
+
+def test_very_many_observers_are_summed_by_chi_square() -> None:
+    assert exact_is_feasible(10, 200)
+    assert not exact_is_feasible(10, 300)
+    assert not exact_is_feasible(11)
+    assert exact_is_feasible(3, 10_000)
+    for total in (5800, 5900, 6000):
+        exact = triads_p_value(total, 10, 200)
+        assert triads_chi_square(total, 10, 200) == pytest.approx(exact, abs=0.003)
 
 
 @given(st.integers(3, 8), st.integers(0, 2**32 - 1))
