@@ -113,8 +113,8 @@ def agreement(
     Notes
     -----
     Kendall and Babington Smith 1940, Biometrika 31. The interval is a jackknife's: u is a mean
-    over pairs of observers. Where observers do not agree at all the interval is too wide rather
-    than too narrow; the p-value decides there.
+    over pairs of observers. It holds the population's u 93 to 99 times in 100
+    (`benchmarks/paired.py`); whether there is any agreement is for the p-value to say.
 
     Examples
     --------
@@ -229,7 +229,7 @@ def kendall_chi_square(sigma: float, observers: int, pairs: int) -> ChiSquare:
 def large_sample_chi_square(sigma: float, observers: int, pairs: int) -> ChiSquare:
     """Return the test for many observers: each pair's wins as a normal variable.
 
-    Siegel and Castellan 1988, sec. 9.7: pairs (1 + u (n - 1)) with `pairs` degrees of freedom.
+    Siegel and Castellan 1988, ch. 9: pairs (1 + u (n - 1)) with `pairs` degrees of freedom.
     """
     statistic = pairs * (1 + coefficient(sigma, observers, pairs) * (observers - 1))
     return ChiSquare(statistic, pairs, float(stats.chi2.sf(statistic, pairs)))

@@ -115,7 +115,8 @@ def consistency(wins: ArrayLike) -> Consistency:
     -----
     Kendall and Babington Smith 1940, Biometrika 31: zeta = 1 - 24 d / (t^3 - t) for odd t and
     1 - 24 d / (t^3 - 4 t) for even t. The p-value is exact up to 10 items and comes from their
-    chi-square beyond (`triads_p_value`).
+    chi-square beyond (`triads_p_value`). With 5 items or fewer it is never below 0.11: a single
+    observer cannot be told from coins there, a group can.
 
     Examples
     --------

@@ -65,7 +65,7 @@ def critical_difference(items: int, observers: int, alpha: float) -> float:
 
     Notes
     -----
-    David 1988, The Method of Paired Comparisons, sec. 3.4; Setyawan and Lagendijk 2004; as
+    David 1988, The Method of Paired Comparisons, ch. 3; Setyawan and Lagendijk 2004; as in
     Lopez-Moreno 2011, eq. 7.5: R_c = (W sqrt(n t) + 1/2) / 2 with W the upper alpha point of the
     range of t standard normals.
 
