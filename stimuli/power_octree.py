@@ -107,7 +107,8 @@ def _cells(keys: NDArray[np.uint64]) -> tuple[NDArray[np.int64], NDArray[np.int6
     ranges.append((np.arange(count), np.arange(1, count + 1)))
     starts, ends = (np.concatenate(each) for each in zip(*ranges, strict=True))
     # In order of their start, the longer before the shorter.
-    places = np.unique(starts * (count + 1) + (count - ends))
+    places = np.sort(starts * (count + 1) + (count - ends))
+    places = places[np.diff(places, prepend=-1) > 0]
     return places // (count + 1), count - places % (count + 1)
 
 
