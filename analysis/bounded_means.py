@@ -90,18 +90,6 @@ def p_above(
     return np.where(alike, alone, stats.t.sf(distance, participants - 1))
 
 
-def p_below(
-    mean: Matrix,
-    standard_error: Matrix,
-    participants: int,
-    value: float,
-    bounds: tuple[float, float] = (0.0, 1.0),
-) -> Matrix:
-    """Return one-sided p-values of "the mean is not below a value"; see `p_above`."""
-    turned = bounds[0] + bounds[1]
-    return p_above(turned - np.asarray(mean), standard_error, participants, turned - value, bounds)
-
-
 def ratio_of_sums(totals: Matrix, counts: Matrix) -> tuple[Matrix, Matrix]:
     """Return the mean over all answers and its standard error over participants.
 

@@ -6,7 +6,7 @@ from scipy import stats
 from statsmodels.genmod.cov_struct import Independence
 from statsmodels.genmod.generalized_estimating_equations import GEE
 
-from analysis.bounded_means import mean_interval, p_above, p_below, ratio_of_sums
+from analysis.bounded_means import mean_interval, p_above, ratio_of_sums
 
 SHARES = st.floats(0.02, 0.98)
 ERRORS = st.floats(0.0, 0.2)
@@ -55,13 +55,14 @@ def test_interval_excludes_what_the_test_rejects(
     low, high = mean_interval(*arguments, confidence=1 - 2 * alpha)
     if min(abs(low[0] - value), abs(high[0] - value)) > 1e-9:
         assert (p_above(*arguments, value)[0] < alpha) == (low[0] > value)
-        assert (p_below(*arguments, value)[0] < alpha) == (high[0] < value)
+        turned = (1 - arguments[0], *arguments[1:])
+        assert (p_above(*turned, 1 - value)[0] < alpha) == (high[0] < value)
 
 
 def test_test_is_the_sign_test_where_all_agree() -> None:
     # Theory: all of nine participants always prefer the same: 0.5 ** 9.
     assert p_above(np.ones(1), np.zeros(1), 9, 0.5)[0] == pytest.approx(0.5**9)
-    assert p_below(np.ones(1), np.zeros(1), 9, 0.5)[0] == 1
+    assert p_above(np.zeros(1), np.zeros(1), 9, 0.5)[0] == 1
 
 
 def test_nothing_follows_from_one_participant() -> None:
