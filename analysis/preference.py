@@ -127,6 +127,14 @@ class Preferences:
     cells: pd.DataFrame
     results: tuple[Preference, ...]
 
+    @property
+    def sentences(self) -> list[str]:
+        """The results in plain words, each with the pair it is about."""
+        return [
+            f"{', '.join(map(str, cell))}: {result.sentence}"
+            for cell, result in zip(self.cells.itertuples(index=False), self.results, strict=True)
+        ]
+
     def to_frame(self) -> pd.DataFrame:
         """Return one row a pair."""
         rows = pd.DataFrame([result.row() for result in self.results])
@@ -315,5 +323,5 @@ def _p_within(result: Preference, how: str) -> str:
 def _p_in_words(p_value: float | None, p_holm: float | None, tests: int) -> str:
     if p_value is None or p_holm is None:
         return ""
-    corrected = f", {p_text(p_holm)} for {tests} pairs together" if tests > 1 else ""
+    corrected = f"; for {tests} pairs together p {p_text(p_holm)}" if tests > 1 else ""
     return p_text(p_value) + corrected

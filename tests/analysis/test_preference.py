@@ -162,7 +162,8 @@ def test_pairs_are_tested_together() -> None:
     np.testing.assert_allclose(table["p_holm"], holm(table["p_value"]))
     np.testing.assert_allclose(table["p_equivalence_holm"], holm(table["p_equivalence"]))
     assert set(table.loc[table["style"] == "multitone", "outcome"]) == {"differs"}
-    assert all("for 6 pairs together" in result.sentence for result in found.results)
+    assert found.sentences[0].startswith("colour, different: ours was preferred to true depth in ")
+    assert all("; for 6 pairs together p " in sentence for sentence in found.sentences)
     assert "NaN" not in to_json(found)
 
 
