@@ -23,6 +23,7 @@ from stimuli.irradiance import entering_irradiance
 from stimuli.media import Medium
 from stimuli.mesh import Mesh, to_mitsuba
 from stimuli.power_octree import cluster
+from stimuli.single_scattering import SingleScattering
 from stimuli.surface_pieces import SurfacePieces, check_count, cut_surface, surface_area
 from stimuli.translucent_integrator import translucent_integrator_class
 
@@ -124,6 +125,7 @@ class TranslucentRenderer:
         samples: int = 4,
         seed: int = 0,
         tolerance: float = TOLERANCE,
+        single_scattering: bool = False,
     ) -> tuple[Image, Image]:
         """Render an image.
 
@@ -139,6 +141,8 @@ class TranslucentRenderer:
             Draws where irradiance and pixels are sampled; 0 or more.
         tolerance
             See `HierarchicalSum`.
+        single_scattering
+            Whether to add light that scatters once; see `stimuli.single_scattering`.
 
         Returns
         -------
@@ -153,11 +157,15 @@ class TranslucentRenderer:
         if not lights:
             raise InputError("lights: one or more are accepted")
         in_scene = [light_in_scene(light, camera) for light in lights]
+        body, single = self.body, None
+        if single_scattering:
+            single = SingleScattering(body.medium, body.mm_per_unit, in_scene)
         integrator = translucent_integrator_class()(
             self._exitance(in_scene, np.random.default_rng([seed, 9])),
-            self.body.medium.refractive_index,
+            body.medium.refractive_index,
             tolerance,
-            in_scene if self.body.roughness else (),
+            in_scene if body.roughness else (),
+            single,
         )
         sensor = camera.sensor("jittered")
         pixels = np.array(

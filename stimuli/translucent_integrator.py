@@ -9,6 +9,7 @@ from algorithms.light import Light
 from stimuli.hierarchical_sum import HierarchicalSum
 from stimuli.irradiance import towards, transmittance
 from stimuli.mesh import Value
+from stimuli.single_scattering import SingleScattering
 
 
 def translucent_integrator_class() -> Value:
@@ -21,12 +22,14 @@ def translucent_integrator_class() -> Value:
             refractive_index: float,
             tolerance: float,
             glossy_lights: Sequence[Light],
+            single: SingleScattering | None,
         ) -> None:
             super().__init__(mi.Properties())
             self.exitance = exitance
             self.refractive_index = dr.opaque(mi.Float, refractive_index)
             self.tolerance = dr.opaque(mi.Float, tolerance)
             self.glossy_lights = glossy_lights
+            self.single = single
 
         def sample(
             self,
@@ -43,6 +46,8 @@ def translucent_integrator_class() -> Value:
             radiance = leaving * self.exitance(hit.p, active, self.tolerance)
             for light in self.glossy_lights:
                 radiance += self.reflected(scene, hit, light, active)
+            if self.single:
+                radiance += self.single(scene, hit, ray, active)
             return radiance & active, active, []
 
         def reflected(self, scene: Value, hit: Value, light: Light, active: Value) -> Value:

@@ -10,6 +10,7 @@ from algorithms.light import Light
 from stimuli.camera import View
 
 _INTEGRATOR = {"type": "volpath", "max_depth": 100_000, "rr_depth": 100_000}
+_ONCE = {"type": "volpath", "max_depth": 2, "rr_depth": 100_000}
 
 
 def _medium(albedo: float, extinction: float) -> dict[str, Any]:
@@ -53,9 +54,18 @@ def slab_reflectance(albedo: float, refractive_index: float, samples: int) -> fl
 
 
 def sphere_radiance(
-    view: View, light: Light, albedo: float, extinction: float, samples: int
+    view: View,
+    light: Light,
+    albedo: float,
+    extinction: float,
+    samples: int,
+    *,
+    once: bool = False,
 ) -> NDArray[np.float32]:
-    """Return the radiance `(height, width)` of a unit sphere without a boundary of its own."""
+    """Return the radiance `(height, width)` of a unit sphere without a boundary of its own.
+
+    Where `once` is set, of light that has scattered once alone.
+    """
     scene = mi.load_dict(
         {
             "type": "scene",
@@ -71,6 +81,6 @@ def sphere_radiance(
             },
         }
     )
-    integrator = mi.load_dict(_INTEGRATOR)
+    integrator = mi.load_dict(_ONCE if once else _INTEGRATOR)
     image = mi.render(scene, sensor=view.sensor(), integrator=integrator, spp=samples, seed=1)
     return np.array(image)[..., 0]
