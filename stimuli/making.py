@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from algorithms.errors import InputError
 from algorithms.files import make_folder, sha256_of, write_atomically
@@ -34,7 +34,7 @@ class Recipe:
     generator: str
     parameters: Mapping[str, Any]
     seed: int
-    engine: Engine
+    engine: Engine | Literal["none"]
     versions: Mapping[str, str]
 
 
@@ -138,9 +138,15 @@ def _make_stimulus(folder: Path, job: Job) -> Stimulus:
 
 
 def recipe_of(
-    name: str, generator: str, parameters: Mapping[str, Any], seed: int, engine: Engine
+    name: str,
+    generator: str,
+    parameters: Mapping[str, Any],
+    seed: int,
+    engine: Engine | Literal["none"],
 ) -> Recipe:
     """Return the recipe of a set that is made now, with the versions that are installed.
+
+    The engine is `none` where nothing is rendered.
 
     Raises
     ------
@@ -152,7 +158,7 @@ def recipe_of(
     return Recipe(name, generator, parameters, seed, engine, current_versions(engine))
 
 
-def current_versions(engine: Engine) -> dict[str, str]:
+def current_versions(engine: Engine | Literal["none"]) -> dict[str, str]:
     """Return the versions of what takes part in rendering."""
     versions = {name: _version(name) for name in _LIBRARIES}
     if engine == "llvm":
