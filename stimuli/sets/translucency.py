@@ -4,21 +4,20 @@ Lopez-Moreno 2011, sec. 9.3 to 9.5: single images of homogeneous bodies under on
 seen orthographically, with the front and back irradiance maps that the method rests on (eq. 9.2).
 The media are those of table 9.2 and two more that its figures show, ketchup and skin.
 
-What the thesis leaves open is taken as follows. Objects: a heart as in fig. 9.5, and three of
-growing complexity in place of its skull and its other figures. Light: from the front, from the side
-and from behind. Size: bounding spheres have a radius of 10 mm, where the media differ most in how
-translucent they look; the heart comes in three more sizes (fig. 9.4 and 9.6). There are no
-highlights, as the method discards them, and light that has left a body does not meet it again.
+What the thesis leaves open is taken as follows. Objects: a heart as in fig. 9.5, and in place of
+its skull and its other figures a pebble, convex all over, a creature with limbs and a rugged lump.
+Light: from the front, from the side and from behind. Size: bounding spheres have a radius of 10 mm,
+where the media differ most in how translucent they look; the heart comes in three more sizes (fig.
+9.4 and 9.6). There are no highlights, as the method discards them, and light that has left a body
+does not meet it again.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from functools import lru_cache
 from itertools import product
 from pathlib import Path
 from typing import Any, Final
 
-import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,28 +26,20 @@ from algorithms.light import Light
 from stimuli.arrangement import BACKGROUND
 from stimuli.camera import CAMERA_DISTANCE, View
 from stimuli.convergence import render_until
-from stimuli.dipole import Dipole
-from stimuli.distance_fields import tube
 from stimuli.engine import choose_engine
 from stimuli.exposure import exposure_for, write_shown
-from stimuli.implicit import smooth_union, surface_of
 from stimuli.making import Job, Plan, Progress, make_set, no_progress, recipe_of
 from stimuli.manifest import Factor, Stimulus, StimulusSet
 from stimuli.media import MEASURED
-from stimuli.mesh import Mesh, Value, to_mitsuba
-from stimuli.metaballs import random_metaballs
 from stimuli.rigs import KEY_INTENSITY
-from stimuli.shapes import AbstractShape, RuggedShape
-from stimuli.translucent import Translucent, TranslucentRenderer
+from stimuli.translucent import TranslucentRenderer
+from stimuli.translucent_bodies import SHAPES, Bodies
 from stimuli.truth import regions_file
 from stimuli.two_sides import TwoSides, two_sides
 
 FULL: Final = View(width_px=512, height_px=512, radius_px=230, samples=4)
 QUICK: Final = View(width_px=128, height_px=128, radius_px=58, samples=9)
 _COARSE: Final = View(width_px=48, height_px=48, radius_px=22, samples=1)
-
-OBJECTS: Final = ("heart", "pebble", "rugged", "creature")
-"""In order of complexity; `OBJECTS.index` + 1 is an object's number in the label images."""
 
 MEDIA: Final = (
     "apple",
@@ -68,7 +59,6 @@ LIGHTS: Final = {
 RADIUS_MM: Final = 10.0
 OTHER_RADII_MM: Final = (2.5, 5.0, 20.0)
 
-PROFILE_STEPS: Final = 100
 _COARSE_POINTS: Final = 2000
 _SEEDS_AN_IMAGE: Final = 10_000
 
@@ -82,7 +72,7 @@ class TranslucentImage:
     number
         Its place in the set.
     shape, medium, light
-        Names out of `OBJECTS`, `MEDIA` and `LIGHTS`.
+        Names out of `SHAPES`, `MEDIA` and `LIGHTS`.
     radius_mm
         Of the object's bounding sphere.
     """
@@ -102,6 +92,11 @@ class TranslucentImage:
             "radius_mm": self.radius_mm,
             "light": self.light,
         }
+
+    @property
+    def body(self) -> tuple[str, str, float]:
+        """What `Bodies` needs to know of it."""
+        return self.shape, self.medium, self.radius_mm
 
     @property
     def irradiance_stem(self) -> str:
@@ -175,7 +170,7 @@ def make(
 
 def design(*, quick: bool) -> tuple[TranslucentImage, ...]:
     """Return the images: objects by media by lights, then the heart in other sizes."""
-    objects = ("heart", "creature") if quick else OBJECTS
+    objects = ("heart", "creature") if quick else SHAPES
     media = ("marble", "skin1") if quick else MEDIA
     radii = OTHER_RADII_MM[:1] if quick else OTHER_RADII_MM
     cells = [
@@ -185,88 +180,28 @@ def design(*, quick: bool) -> tuple[TranslucentImage, ...]:
     return tuple(TranslucentImage(number, *cell) for number, cell in enumerate(cells))
 
 
-def mesh_of(shape: str, seed: int) -> Mesh:
-    """Return the mesh of an object of `OBJECTS`, of radius 1; a heart is one for any seed."""
-    generator = np.random.default_rng([seed, OBJECTS.index(shape)])
-    makers: dict[str, Callable[[], Mesh]] = {
-        "heart": _heart,
-        "pebble": lambda: AbstractShape(generator).mesh(96, 192),
-        "rugged": lambda: RuggedShape(generator, complexity=0.7).mesh(96, 192),
-        "creature": lambda: random_metaballs(generator, complexity=0.7, cells=96),
-    }
-    return makers[shape]()
-
-
-def _heart() -> Mesh:
-    halves = [
-        tube([(side * 0.40, 0.32, 0), (side * 0.30, -0.10, 0), (side * 0.04, -0.80, 0)], radii)
-        for side, radii in ((-1, (0.44, 0.36, 0.06)), (1, (0.44, 0.36, 0.06)))
-    ]
-    return surface_of(smooth_union(halves, 0.05), cells=96).fitted()
-
-
 def _plan(seed: int, quick: bool) -> Plan:
-    images, view = design(quick=quick), QUICK if quick else FULL
-    objects = _Objects(seed)
+    images, view, bodies = design(quick=quick), QUICK if quick else FULL, Bodies(seed)
     exposure = exposure_for(
-        objects.renderer(image, _COARSE_POINTS).radiance(
+        TranslucentRenderer(bodies.body(*image.body), _COARSE_POINTS).radiance(
             _COARSE, [LIGHTS[image.light]], samples=1, seed=seed
         )[0]
         for image in images
     )
+    media = dict.fromkeys(image.medium for image in images)
     return Plan(
-        [Job(image.stimulus(), _Make(image, objects, view, exposure, seed)) for image in images],
+        [Job(image.stimulus(), _Make(image, bodies, view, exposure, seed)) for image in images],
         exposure,
-        dict(enumerate(OBJECTS, start=1)),
+        dict(enumerate(SHAPES, start=1)),
         {
             "camera": {"projection": "orthographic", **asdict(view)},
             "background_display": BACKGROUND,
-            "media": {name: asdict(MEASURED[name]) for name in {image.medium for image in images}},
-            "profiles": _profiles(images, objects),
+            "media": {name: asdict(MEASURED[name]) for name in media},
+            "profiles": [
+                bodies.profile(*body) for body in dict.fromkeys(image.body for image in images)
+            ],
         },
     )
-
-
-class _Objects:
-    """The meshes, scenes and renderers of the set, each made when it is first needed."""
-
-    def __init__(self, seed: int) -> None:
-        self.mesh = lru_cache(None)(lambda shape: mesh_of(shape, seed))
-        self.scene: Callable[[str], Value] = lru_cache(None)(self._scene)
-
-    def _scene(self, shape: str) -> Value:
-        body = to_mitsuba(self.mesh(shape), {"type": "diffuse"}, "body")
-        return mi.load_dict({"type": "scene", "body": body})
-
-    def renderer(self, image: TranslucentImage, points: int | None = None) -> TranslucentRenderer:
-        body = Translucent(self.mesh(image.shape), MEASURED[image.medium], image.radius_mm)
-        return TranslucentRenderer(body, points)
-
-    def width(self, shape: str) -> float:
-        """Return an object's width in its bounding radii."""
-        return float(np.ptp(self.mesh(shape).vertices[:, 0]))
-
-
-def _profiles(images: Sequence[TranslucentImage], objects: _Objects) -> list[dict[str, Any]]:
-    """Return R_d on each object's own scale: per square width, over distances in widths."""
-    distances = np.linspace(0, 1, PROFILE_STEPS + 1)
-    profiles = []
-    for shape, medium, radius_mm in dict.fromkeys(
-        (image.shape, image.medium, image.radius_mm) for image in images
-    ):
-        width_mm = objects.width(shape) * radius_mm
-        values = Dipole.of(MEASURED[medium])(distances * width_mm) * width_mm**2
-        profiles.append(
-            {
-                "object": shape,
-                "medium": medium,
-                "radius_mm": radius_mm,
-                "width_mm": width_mm,
-                "distance_widths": distances.tolist(),
-                "reflectance": values.tolist(),
-            }
-        )
-    return profiles
 
 
 @dataclass(frozen=True)
@@ -274,14 +209,15 @@ class _Make:
     """Makes one image."""
 
     image: TranslucentImage
-    objects: _Objects
+    bodies: Bodies
     view: View
     exposure: float
     seed: int
 
     def __call__(self, folder: Path) -> Mapping[str, Any]:
         stimulus = self.image.stimulus()
-        renderer, light = self.objects.renderer(self.image), LIGHTS[self.image.light]
+        renderer = TranslucentRenderer(self.bodies.body(*self.image.body))
+        light = LIGHTS[self.image.light]
 
         def render(seed: int) -> NDArray[np.float32]:
             return np.dstack(
@@ -302,12 +238,12 @@ class _Make:
         files = {name: folder / file for name, file in stimulus.truth.items() if name != "radiance"}
         if all(file.is_file() for file in (folder / stimulus.regions, *files.values())):
             return
-        scene = self.objects.scene(self.image.shape)
+        scene = self.bodies.scene(self.image.shape)
         sides = two_sides(scene, self.view)
         index = MEASURED[self.image.medium].refractive_index
         maps = _shape_maps(sides, self.view)
         maps["irradiance"], maps["back_irradiance"] = sides.irradiance(scene, [light], index)
-        number = np.uint8(OBJECTS.index(self.image.shape) + 1)
+        number = np.uint8(SHAPES.index(self.image.shape) + 1)
         write_labels(folder / stimulus.regions, sides.inside * number)
         for name, file in files.items():
             kind = np.float16 if "irradiance" in name else np.float32

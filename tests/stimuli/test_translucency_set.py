@@ -12,20 +12,22 @@ from numpy.typing import NDArray
 from algorithms.errors import InputError, UnavailableError
 from algorithms.images import read_channels, read_image, read_labels
 from algorithms.light import Light
+from stimuli import translucent_bodies
 from stimuli.camera import View
 from stimuli.dipole import Dipole
 from stimuli.manifest import StimulusSet
 from stimuli.media import MEASURED
 from stimuli.mesh import Mesh
 from stimuli.sets import translucency
-from stimuli.sets.translucency import LIGHTS, MEDIA, OBJECTS, RADIUS_MM, design, mesh_of
+from stimuli.sets.translucency import LIGHTS, MEDIA, RADIUS_MM, design
 from stimuli.shapes import AbstractShape
+from stimuli.translucent_bodies import SHAPES, mesh_of
 
 
 def test_full_design_crosses_objects_media_and_lights() -> None:
     images = design(quick=False)
     crossed = [image for image in images if image.radius_mm == RADIUS_MM]
-    assert len(crossed) == len(OBJECTS) * len(MEDIA) * len(LIGHTS)
+    assert len(crossed) == len(SHAPES) * len(MEDIA) * len(LIGHTS)
     assert len({(image.shape, image.medium, image.light) for image in crossed}) == len(crossed)
     others = {image.radius_mm for image in images} - {RADIUS_MM}
     assert others == {2.5, 5.0, 20.0}
@@ -42,7 +44,7 @@ def test_quick_design_has_every_kind_of_image() -> None:
     assert {MEASURED[image.medium].refractive_index for image in images} == {1.3, 1.5}
 
 
-@pytest.mark.parametrize("shape", OBJECTS)
+@pytest.mark.parametrize("shape", SHAPES)
 def test_objects_are_closed_and_of_one_size(shape: str) -> None:
     mesh = mesh_of(shape, seed=1)
     assert mesh.is_closed
@@ -66,7 +68,7 @@ def make_tiny(monkeypatch: pytest.MonkeyPatch, llvm: str) -> Callable[..., Stimu
     images = design(quick=True)
     kept = tuple(images[index] for index in (0, 2, 3, 12))
     monkeypatch.setattr(translucency, "design", lambda *, quick: kept if quick else images)
-    monkeypatch.setattr(translucency, "mesh_of", coarse)
+    monkeypatch.setattr(translucent_bodies, "mesh_of", coarse)
     view = View(width_px=40, height_px=40, radius_px=18, samples=64)
     monkeypatch.setattr(translucency, "QUICK", view)
     monkeypatch.setattr("stimuli.translucent.FEWEST_POINTS", 3000)
@@ -91,7 +93,7 @@ def channels(path: Path) -> NDArray[np.floating]:
 
 
 def test_every_image_comes_with_its_truth(tiny: StimulusSet) -> None:
-    assert tiny.objects == {1: "heart", 2: "pebble", 3: "rugged", 4: "creature"}
+    assert tiny.objects == {1: "pebble", 2: "heart", 3: "creature", 4: "rugged"}
     for stimulus in tiny.stimuli:
         truth = {name: channels(tiny.folder / file) for name, file in stimulus.truth.items()}
         assert set(truth) == {
@@ -99,7 +101,7 @@ def test_every_image_comes_with_its_truth(tiny: StimulusSet) -> None:
             "irradiance", "back_irradiance",
         }  # fmt: skip
         assert stimulus.regions is not None
-        inside = read_labels(tiny.folder / stimulus.regions) == 1
+        inside = read_labels(tiny.folder / stimulus.regions) == 2
         assert 0.2 < inside.mean() < 0.8
         assert (np.isfinite(truth["distance"]) == inside).all()
         assert (np.isnan(truth["back_relief"]) == ~inside).all()
