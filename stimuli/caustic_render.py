@@ -1,8 +1,9 @@
 """The picture of caustics: progressive photon mapping (Knaus and Zwicker 2011).
 
-Every pass traces photons of its own, follows rays from the camera through glass and mirrors to the
-first diffuse surface, and estimates the density of photons there within a radius that shrinks from
-pass to pass, so that the mean of many passes loses both its noise and its blur.
+Every pass traces photons of its own. Those that the camera sees directly are projected onto its
+pixels. For what it sees through glass and in mirrors, rays are followed to the first diffuse
+surface, and the density of photons there is estimated within a radius that shrinks from pass to
+pass, so that the mean of many passes loses both its noise and its blur.
 """
 
 from collections.abc import Sequence
@@ -19,6 +20,7 @@ from stimuli.eye_paths import Eye
 from stimuli.mesh import Value
 from stimuli.photon_grid import PhotonGrid
 from stimuli.photon_map import EnergyBalance
+from stimuli.photon_projection import can_project, projected
 from stimuli.photon_tracing import PhotonTracer
 
 Image = NDArray[np.float32]
@@ -26,8 +28,6 @@ Image = NDArray[np.float32]
 ALPHA: Final = 2 / 3
 """Of Knaus and Zwicker 2011: variance and squared bias of the mean of n passes then both fall as
 n^(-2/3)."""
-
-_RADIUS_PX: Final = 2.0  # the first radius, where none is given
 
 
 @dataclass(frozen=True)
@@ -65,13 +65,16 @@ class CausticRenderer:
     photons_per_pass
         Emitted in each pass.
     radius
-        Of the kernel in the first pass, in scene units; None for the size of two pixels on the
+        Of the kernel in the first pass, in scene units; None for the size of a pixel on the
         receivers.
     eye_samples
         Rays from the camera by pixel and pass.
     seen
         The scene that the camera sees; None for the one that photons are traced in. Another one
         shows caustics of what is not there, on surfaces that both have.
+    project
+        Whether photons seen directly are projected; else all are gathered within the radius, as for
+        cameras that are no `perspective` ones.
 
     Raises
     ------
@@ -86,16 +89,19 @@ class CausticRenderer:
         *,
         photons_per_pass: int,
         radius: float | None = None,
-        eye_samples: int = 4,
+        eye_samples: int = 16,
         seen: Value = None,
+        project: bool = True,
     ) -> None:
         if photons_per_pass < 1 or eye_samples < 1:
             raise InputError("photons_per_pass, eye_samples: 1 or more are accepted")
         if radius is not None and not 0 < radius < np.inf:
             raise InputError(f"radius: {radius} given, more than 0 accepted")
         self._tracer, self._photons = tracer, photons_per_pass
-        self._eye = Eye(tracer.scene if seen is None else seen, sensor, eye_samples)
-        self.radius = radius or _RADIUS_PX * self._eye.footprint()
+        self._scene, self._sensor = tracer.scene if seen is None else seen, sensor
+        self._project = project and can_project(sensor)
+        self._eye = Eye(self._scene, sensor, eye_samples, directly=not self._project)
+        self.radius = radius or Eye(self._scene, sensor, 1).footprint()
 
     def pass_radius(self, number: int) -> float:
         """Return the kernel's radius in the pass of that number, from 0 on."""
@@ -124,7 +130,10 @@ class CausticRenderer:
             return np.zeros(self._eye.shape, np.float32), photons.energy
         grid = PhotonGrid(photons.position, photons.normal, photons.power, self.pass_radius(number))
         irradiance = grid.irradiance(sight.position, sight.normal, sight.valid)
-        return self._eye.image(sight.weight * irradiance / dr.pi), photons.energy
+        image = self._eye.image(sight.weight * irradiance / dr.pi)
+        if self._project:
+            image += projected(photons, self._scene, self._sensor)
+        return image, photons.energy
 
 
 def render_caustics(renderer: CausticRenderer, *, passes: int, seed: int) -> Caustics:

@@ -68,10 +68,13 @@ class Eye:
         Mitsuba's.
     samples
         Rays by pixel.
+    directly
+        Whether diffuse surfaces count that are seen in a straight line.
     """
 
-    def __init__(self, scene: Value, sensor: Value, samples: int) -> None:
+    def __init__(self, scene: Value, sensor: Value, samples: int, *, directly: bool = True) -> None:
         self._scene, self._sensor, self._samples = scene, sensor, samples
+        self._directly = directly
         width, height = (int(extent) for extent in sensor.film().crop_size())
         self.shape = (height, width, _CHANNELS)
 
@@ -129,7 +132,7 @@ class Eye:
             flags = bsdf.flags()
             rests = hit & receives(surface, flags)
             sight = walk.sight
-            sight.valid |= rests
+            sight.valid |= rests & (self._directly | (walk.bounces > 0))
             sight.position = dr.select(rests, surface.p, sight.position)
             sight.normal = dr.select(rests, facing_normal(surface, walk.ray), sight.normal)
             sight.length += dr.select(hit, surface.t, 0)

@@ -62,14 +62,16 @@ class PhotonMap:
 
     Attributes
     ----------
-    position, normal, power
-        Dr.Jit's points, normals and colours of the photons; normals on the side they came from.
+    position, normal, albedo, power
+        Dr.Jit's points, normals and colours of the photons: of the surface where each has come to
+        rest, on the side that it came from, and what it carries.
     energy
         Where the emitted power went.
     """
 
     position: Value
     normal: Value
+    albedo: Value
     power: Value
     energy: EnergyBalance
 
@@ -81,6 +83,7 @@ class PhotonMap:
         return cls(
             _concatenated([part.position for part in parts]),
             _concatenated([part.normal for part in parts]),
+            _concatenated([part.albedo for part in parts]),
             _concatenated([part.power for part in parts]),
             energy,
         )

@@ -132,6 +132,7 @@ class PhotonTracer:
             end=mi.UInt32(_MISSED),
             position=mi.Point3f(0),
             normal=mi.Normal3f(0),
+            albedo=mi.Color3f(0),
         )
         return _stored(_follow(self.scene, flight), power)
 
@@ -160,6 +161,7 @@ class _Flight:
     end: Value  # why the flight ended
     position: Value  # of the last surface
     normal: Value  # its unit normal, on the side that the photon came from
+    albedo: Value  # its diffuse albedo
 
 
 def _follow(scene: Value, flight: _Flight) -> _Flight:
@@ -176,6 +178,8 @@ def _follow(scene: Value, flight: _Flight) -> _Flight:
         flight.end = dr.select(flight.active, _end(flight, surface, bsdf, hit), flight.end)
         flight.position = dr.select(hit, surface.p, flight.position)
         flight.normal = dr.select(hit, facing_normal(surface, flight.ray), flight.normal)
+        albedo = bsdf.eval_diffuse_reflectance(surface, hit & is_diffuse(bsdf.flags()))
+        flight.albedo = dr.select(hit, albedo, flight.albedo)
 
         sample, weight = bsdf.sample(context, surface, flight.choices.x, mi.Point2f(0.5), specular)
         after = dr.select(specular, flight.power * weight, flight.power)
@@ -219,10 +223,11 @@ def _stored(ended: _Flight, emitted: Value) -> PhotonMap:
     photons = PhotonMap(
         dr.gather(mi.Point3f, ended.position, kept),
         dr.gather(mi.Normal3f, ended.normal, kept),
+        dr.gather(mi.Color3f, ended.albedo, kept),
         dr.gather(mi.Color3f, ended.power, kept),
         energy,
     )
-    dr.eval(photons.position, photons.normal, photons.power)
+    dr.eval(photons.position, photons.normal, photons.albedo, photons.power)
     return photons
 
 

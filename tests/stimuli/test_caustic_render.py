@@ -101,13 +101,14 @@ class TestAgainstMitsuba:
         share = (found.mean(axis=0) * outside).sum() / (traced.mean(axis=0) * outside).sum()
         assert share > 0.1  # else there would be nothing to test
 
-    def test_receivers_need_not_be_planes(self) -> None:
+    @pytest.mark.parametrize("project", [True, False])
+    def test_receivers_need_not_be_planes(self, project: bool) -> None:
         # Another implementation, and the same paths in both: with three edges a path holds at most
         # one mirror and one matt surface, or two matt ones, which `path` finds.
         lit = bowl(MIRROR)
         base = pictures(lit, {"type": "path", "max_depth": 3}, 256)
         traced = pictures(lit, {"type": "ptracer", "max_depth": 3}, 512)
-        found = caustics(lit, radius=0.06)
+        found = caustics(lit, radius=0.06, project=project)
         outside = ~_behind(lit, "ball")
         assert_within_noise(z_scores([base * outside, found * outside], [traced * outside]))
         assert (found.mean(axis=0) * outside).mean() > 0.02 * traced.mean()
@@ -153,6 +154,7 @@ def test_a_mirror_shows_the_mirrored_picture() -> None:
                 photons_per_pass=500_000,
                 radius=0.2,
                 eye_samples=16,
+                project=False,
             ),
             passes=2,
             seed=0,
@@ -226,6 +228,27 @@ class TestProgress:
         assert (first != other).any()
 
 
+@pytest.mark.parametrize(
+    "crop", [{}, {"crop_offset_x": 8, "crop_offset_y": 4, "crop_width": 40, "crop_height": 40}]
+)
+def test_projecting_photons_is_gathering_them_in_pixels(crop: dict[str, int]) -> None:
+    # Two ways to the same, seen at a slant and in part behind the ball.
+    eye = camera((0, 2, 5), (0.5, 0.3, 0))
+    eye["film"] |= crop
+    lit = scene(ball=sphere(GLASS, (0, 1.01, 0)), floor=floor(0), light=POINT, eye=eye)
+    projected, gathered = (
+        caustics(lit, count=1, radius=0.02, photons_per_pass=500_000, project=project)[0]
+        for project in (True, False)
+    )
+    width = projected.shape[1]
+    assert width == crop.get("crop_width", 64)
+    blocks = [
+        each[:40].reshape(10, 4, width // 4, 4).mean(axis=(1, 3)) for each in (projected, gathered)
+    ]
+    assert blocks[0].max() > 1
+    np.testing.assert_allclose(blocks[0], blocks[1], rtol=0.1, atol=0.02 * blocks[0].max())
+
+
 def test_caustics_of_one_scene_seen_in_another() -> None:
     # Property: with the ball gone from sight its caustic is still on the floor.
     parts = {"floor": floor(0), "eye": camera((0, 6, 0.1), (0, 0, 0))}
@@ -274,7 +297,12 @@ def _over_the_floor(
     )
     tracer = PhotonTracer(lit, [ABOVE])
     return CausticRenderer(
-        tracer, lit.sensors()[0], photons_per_pass=photons, radius=radius, eye_samples=4
+        tracer,
+        lit.sensors()[0],
+        photons_per_pass=photons,
+        radius=radius,
+        eye_samples=4,
+        project=False,
     )
 
 

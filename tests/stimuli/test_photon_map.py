@@ -22,9 +22,8 @@ def photon_map(positions: Rows, normals: Rows, powers: Rows) -> PhotonMap:
         for kind, array in ((mi.Point3f, positions), (mi.Normal3f, normals), (mi.Color3f, powers))
     )
     total = powers.sum(axis=0)
-    nothing = np.zeros(3)
-    energy = EnergyBalance(total, total, *[nothing] * 5)
-    return PhotonMap(point, normal, colour, energy)
+    energy = EnergyBalance(total, total, *[np.zeros(3)] * 5)
+    return PhotonMap(point, normal, mi.Color3f(0.5), colour, energy)
 
 
 def on_a_plane(count: int, power: float, seed: int = 0) -> PhotonMap:
