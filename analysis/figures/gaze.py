@@ -26,7 +26,7 @@ _STRONGEST = 0.75  # opacity at the peak: the picture stays in sight
 _FAINTEST = 0.02  # of the peak: less is not drawn
 _LUMINANCE = (0.2126, 0.7152, 0.0722)
 _WIDTH = 5.6  # inches
-_RATIO_TICKS = (0.1, 0.25, 0.5, 1, 2, 4, 10)
+_RATIO_TICKS = (0.01, 0.03, 0.1, 0.25, 0.5, 1, 2, 4, 10, 30, 100)
 
 
 def draw_heat_map(axes: Axes, picture: NDArray[Any], heat: HeatMap) -> Axes:
@@ -115,7 +115,10 @@ def draw_dwell_ratios(axes: Axes, results: Mapping[str, DwellRatios], level: str
         label="as long as the others",
     )
     axes.set_yscale("log")
-    axes.set_yticks(_RATIO_TICKS)
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, 0.5), max(high, 2))
+    low, high = axes.get_ylim()
+    axes.set_yticks([tick for tick in _RATIO_TICKS if low <= tick <= high])
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.minorticks_off()
     axes.set_ylabel("time on it / mean of the others")
@@ -140,7 +143,5 @@ def dwell_ratios_figure(
     draw_dwell_ratios(axes, results, level)
     axes.set_xlabel(label)
     axes.set_title("Looking time, 95 % interval over participants", loc="left")
-    low, high = axes.get_ylim()
-    axes.set_ylim(min(low, 0.5), max(high, 2))
     legend_below(axes, columns=3)
     return figure

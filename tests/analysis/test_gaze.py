@@ -8,6 +8,7 @@ from algorithms.errors import InputError
 from analysis.bootstrap import Matrix
 from analysis.fixations import Fixations
 from analysis.gaze import dwell_ratios, dwell_times, heat_map, saccades
+from benchmarks.gaze import IMAGE_DEG, METHODS, PIXELS_PER_DEGREE, scan_path
 
 REGIONS = np.zeros((60, 100), dtype=np.uint8)
 REGIONS[10:30, 10:30], REGIONS[10:30, 40:60], REGIONS[10:30, 70:90] = 1, 2, 3
@@ -198,3 +199,25 @@ def test_refuses() -> None:
         heat_map(fixations.table, (2, 2), 10)
     with pytest.raises(InputError, match="shape, pixels_per_degree, sigma_deg: numbers above 0"):
         heat_map(fixations.table, (60, 100), 10, sigma_deg=0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_from_raw_gaze_to_looking_times(method: str) -> None:
+    # Recovery: the time on each half of an image, from samples with noise and blinks.
+    path = scan_path(60, 250, 0.03, np.random.default_rng(5), blinks=4)
+    width_px, height_px = (round(size * PIXELS_PER_DEGREE) for size in IMAGE_DEG)
+    halves = np.ones((height_px, width_px), dtype=np.uint8)
+    halves[:, width_px // 2 :] = 2
+    fixations = METHODS[method](path.gaze, PIXELS_PER_DEGREE)
+    found = dwell_times(fixations, trials_of(fixations), {"image": halves})
+    truth = path.truth.assign(
+        region=1 + (path.truth["x_deg"] * PIXELS_PER_DEGREE >= width_px // 2),
+        duration_s=path.truth["end_s"] - path.truth["start_s"],
+    )
+    expected = truth.groupby("region")["duration_s"].sum()
+    # Blinks take some of it away.
+    np.testing.assert_allclose(found["dwell_s"], expected, atol=4 * 0.29 + 1)
+    assert found["dwell_s"].sum() <= 60
+    heat = heat_map(fixations.table, halves.shape, PIXELS_PER_DEGREE)
+    left = float(heat.density[:, : width_px // 2].sum())
+    assert left == pytest.approx(found["share"].iloc[0], abs=0.03)
