@@ -20,7 +20,7 @@ from stimuli.power_octree import PowerOctree
 Profile = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 """From distances `(k,)` to values by colour channel `(k, 3)`."""
 
-TOLERANCE: Final = 0.1
+TOLERANCE: Final = 0.08
 """In steradians: at most 1 % of error in what can be seen (`benchmarks/dipole.py`)."""
 
 _ENTRIES: Final = 1024

@@ -33,7 +33,8 @@ class PowerOctree:
     spreads
         `(n, 6)`: covariance of position weighted by power, in the order xx, yy, zz, xy, xz, yz.
     areas
-        `(n,)`: 0 for a single point and for what is dark, as neither needs to be taken apart.
+        `(n,)`: of the surface, or of a disc that spreads as much where that is more, as in a cell
+        with two corners full; 0 for a point and for what is dark, which are not taken apart.
     following
         `(n,)`: the place of the next cluster that is no part of this one; n at the end.
     """
@@ -69,12 +70,14 @@ def cluster(pieces: SurfacePieces, powers: NDArray[np.float64]) -> PowerOctree:
     mean = _sums(powers[:, None] * centres, starts, ends) / weight
     spread = _sums(powers[:, None] * products, starts, ends) / weight
     spread -= mean[:, rows] * mean[:, columns]
+    # A disc's points have a mean square distance from its centre of its area over 2 pi.
+    extent = np.maximum(area, 2 * np.pi * spread[:, :3].sum(axis=1))
     first_at = np.searchsorted(starts, np.arange(len(centres) + 1))
     return PowerOctree(
         np.where(lit[:, None], mean, 0) + origin,
         np.where(lit, power, 0),
         np.where(lit[:, None], spread, 0),
-        np.where(lit & (ends - starts > 1), area, 0),
+        np.where(lit & (ends - starts > 1), extent, 0),
         first_at[ends],
     )
 

@@ -67,9 +67,17 @@ def test_root_is_the_whole_surface() -> None:
     pieces = cut_surface(UnitSphere().mesh(32, 64), 4000, np.random.default_rng(0))
     octree = cluster(pieces, pieces.areas)
     assert octree.powers[0] == pytest.approx(pieces.areas.sum())
-    assert octree.areas[0] == pytest.approx(pieces.areas.sum())
+    assert octree.areas[0] == pytest.approx(pieces.areas.sum())  # more than 2 pi times 1
     assert_allclose(octree.centres[0], 0, atol=1e-6)
     assert_allclose(octree.spreads[0], [1 / 3, 1 / 3, 1 / 3, 0, 0, 0], atol=3e-3)
+
+
+def test_what_lies_far_apart_is_no_small_cluster() -> None:
+    # Theory: two points as one disc that spreads as much, mean square distance = area / 2 pi.
+    centres = np.array([[0.0, 0, 0], [1, 1, 1]])
+    pair = SurfacePieces(centres, centres, np.full(2, 1e-6), np.zeros((2, 3, 3)))
+    octree = cluster(pair, np.ones(2))
+    assert octree.areas[0] == pytest.approx(2 * np.pi * 3 / 4)
 
 
 def test_dark_clusters_need_not_be_looked_into() -> None:

@@ -16,7 +16,7 @@ from algorithms.light import Light
 from stimuli.camera import Perspective, View
 from stimuli.dipole import Dipole
 from stimuli.engine import choose_engine
-from stimuli.hierarchical_sum import HierarchicalSum
+from stimuli.hierarchical_sum import TOLERANCE, HierarchicalSum
 from stimuli.irradiance import transmittance
 from stimuli.media import MEASURED, Medium
 from stimuli.mesh import Mesh
@@ -84,7 +84,7 @@ def test_hierarchical_sum_is_the_plain_sum(name: str) -> None:
     entering = np.maximum(0, pieces.normals @ Light(120, 30).direction)
     places = points_on(body.mesh, 100)
     total = exitance_sum(body, pieces, entering)
-    clustered, every = sums_at(total, places, 0.1), sums_at(total, places, 0)
+    clustered, every = sums_at(total, places, TOLERANCE), sums_at(total, places, 0)
 
     dipole = Dipole.of(body.medium).smoothed(pieces.spacing * 10)
     away = np.linalg.norm(places[:, None] - pieces.centres, axis=-1) * 10
