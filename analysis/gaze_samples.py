@@ -73,6 +73,26 @@ def pixels_per_degree(width_px: float, width_cm: float, distance_cm: float) -> f
     return 2 * distance_cm * math.tan(math.radians(0.5)) * width_px / width_cm
 
 
+def image_coordinates(
+    gaze: pd.DataFrame, left_px: float, top_px: float, scale: float
+) -> pd.DataFrame:
+    """Return gaze in pixels of the image where it was recorded in pixels of the screen.
+
+    Parameters
+    ----------
+    gaze
+        With `x_px` and `y_px` from the screen's upper left corner, y downwards.
+    left_px, top_px
+        Where on the screen the image's upper left corner was.
+    scale
+        Pixels of the screen per pixel of the image, above 0. A degree then takes
+        ``pixels_per_degree / scale`` pixels of the image.
+    """
+    if not scale > 0:
+        raise InputError(f"scale: {scale} given, above 0 accepted")
+    return gaze.assign(x_px=(gaze["x_px"] - left_px) / scale, y_px=(gaze["y_px"] - top_px) / scale)
+
+
 def regular_tracks(
     gaze: pd.DataFrame, pixels_per_degree: float, longest_gap_s: float, margin_s: float
 ) -> Tracks:

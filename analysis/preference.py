@@ -5,8 +5,7 @@ share differs from one half; it is equivalent to one half within a margin declar
 answers were seen (two one-sided tests, Schuirmann 1987); or the answers do not decide.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -15,10 +14,8 @@ from numpy.typing import ArrayLike
 from scipy import stats
 
 from algorithms.errors import InputError
-from analysis.bootstrap import sum_by_participant
 from analysis.bounded_means import p_above
 from analysis.estimates import Estimate, software_version
-from analysis.multiplicity import holm
 from analysis.naming import p_text
 from analysis.shares import Answers, Binomial, check_answers, share_interval
 
@@ -112,35 +109,6 @@ class Preference:
         return pd.DataFrame([self.row()])
 
 
-@dataclass(frozen=True)
-class Preferences:
-    """Several pairs, tested together.
-
-    Attributes
-    ----------
-    cells
-        One row a pair: the factor levels that make it.
-    results
-        One a pair.
-    """
-
-    cells: pd.DataFrame
-    results: tuple[Preference, ...]
-
-    @property
-    def sentences(self) -> list[str]:
-        """The results in plain words, each with the pair it is about."""
-        return [
-            f"{', '.join(map(str, cell))}: {result.sentence}"
-            for cell, result in zip(self.cells.itertuples(index=False), self.results, strict=True)
-        ]
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return one row a pair."""
-        rows = pd.DataFrame([result.row() for result in self.results])
-        return pd.concat([self.cells, rows], axis=1)
-
-
 def preference(
     chosen: ArrayLike,
     asked: ArrayLike | None = None,
@@ -204,61 +172,6 @@ def preference(
         test=EXACT if answers.independent else OVER_PARTICIPANTS,
         version=software_version(),
     )
-
-
-def preferences(
-    table: pd.DataFrame,
-    by: Sequence[str],
-    *,
-    margin: float | None = None,
-    alpha: float = ALPHA,
-    names: tuple[str, str] = ("the first", "the second"),
-    chosen: str = "chosen",
-) -> Preferences:
-    """Test several pairs together, in the form of Lopez-Moreno 2011, figure 8.17.
-
-    Parameters
-    ----------
-    table
-        One row an answer: `participant`, the columns `by`, and `chosen` (true or 1 where the first
-        was preferred; rows without an answer are left out).
-    by
-        The columns that make the pairs, such as ``("style", "light")``.
-    margin, alpha, names
-        As in `preference`, for all pairs; the p-values are corrected for their number by Holm's
-        method, differences and equivalences each as a family.
-    chosen
-        The name of that column.
-
-    Raises
-    ------
-    InputError
-        If a column is missing, nothing was answered, or an argument is impossible.
-    """
-    missing = [name for name in ("participant", *by, chosen) if name not in table]
-    if missing:
-        raise InputError(f"table: the column {missing[0]} is missing")
-    if not by or table[chosen].notna().sum() == 0:
-        raise InputError("table, by: answers, and one column or more that make the pairs, accepted")
-    sums = sum_by_participant(table, chosen, by)
-    results = [
-        preference(yes, asked, margin=margin, alpha=alpha, names=names)
-        for yes, asked in zip(sums.totals.T, sums.counts.T, strict=True)
-    ]
-    differences = holm([result.p_value for result in results])
-    equivalences: list[float | None] = [None] * len(results)
-    if margin is not None:
-        equivalences = list(holm([result.p_equivalence or 0.0 for result in results]))
-    corrected = tuple(
-        replace(
-            result,
-            p_holm=float(difference),
-            p_equivalence_holm=equivalence if equivalence is None else float(equivalence),
-            tests=len(results),
-        )
-        for result, difference, equivalence in zip(results, differences, equivalences, strict=True)
-    )
-    return Preferences(sums.cells, corrected)
 
 
 def _check(margin: float | None, alpha: float) -> None:

@@ -19,7 +19,8 @@ from analysis.figures.style import (
     legend_below,
     new_figure,
 )
-from analysis.gaze import DwellRatios, HeatMap
+from analysis.gaze import DwellRatios
+from analysis.heat_map import HeatMap
 
 _MAP = "inferno"
 _STRONGEST = 0.75  # opacity at the peak: the picture stays in sight
@@ -40,7 +41,7 @@ def draw_heat_map(axes: Axes, picture: NDArray[Any], heat: HeatMap) -> Axes:
         As displayed: shape (height, width, 3) or (height, width), integers 0 to 255 or floats 0
         to 1.
     heat
-        As from `analysis.gaze.heat_map`, of the picture's size.
+        As from `analysis.heat_map.heat_map`, of the picture's size.
 
     Raises
     ------

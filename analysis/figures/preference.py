@@ -7,7 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analysis.figures.style import CHANCE_COLOUR, COLOURS, new_figure
-from analysis.preference import HALF, Outcome, Preferences
+from analysis.preference import HALF, Outcome
+from analysis.preference_pairs import Preferences
 
 _OUTCOMES: dict[Outcome, tuple[str, str]] = {
     "differs": (COLOURS[1], "differs from one half"),
@@ -27,7 +28,7 @@ def draw_preferences(axes: Axes, result: Preferences) -> Axes:
     axes
         Where.
     result
-        As from `analysis.preference.preferences`.
+        As from `analysis.preference_pairs.preferences`.
     """
     margin = result.results[0].margin
     if margin is not None:
@@ -71,7 +72,7 @@ def preferences_figure(result: Preferences, *, simulated: bool) -> Figure:
     Parameters
     ----------
     result
-        As from `analysis.preference.preferences`.
+        As from `analysis.preference_pairs.preferences`.
     simulated
         Whether programs answered; then the figure says so.
     """

@@ -9,13 +9,18 @@ from algorithms.errors import InputError
 from analysis.bootstrap import Matrix
 from analysis.bounded_means import Flags
 from analysis.fixations import (
-    _boxes,
     fixations_by_dispersion,
     fixations_by_velocity,
-    speed_deg_s,
 )
-from analysis.gaze_samples import Track, pixels_per_degree, regular_tracks
+from analysis.gaze_samples import (
+    Track,
+    image_coordinates,
+    pixels_per_degree,
+    regular_tracks,
+)
+from analysis.resting_gaze import boxes, speed_deg_s
 from benchmarks.gaze import METHODS, PIXELS_PER_DEGREE, found_again, recovered, scan_path
+from experiments.lab.geometry import Area, fit
 
 
 def gaze_of(time_s: Matrix, x_px: Matrix, y_px: Matrix, valid: Flags | None = None) -> pd.DataFrame:
@@ -132,7 +137,7 @@ def test_boxes_are_those_of_the_printed_algorithm(samples: int, seed: int) -> No
     jumps = generator.standard_normal((2, 40)).repeat(generator.integers(1, 60, 40), axis=1) * 3
     position = jumps + 0.1 * generator.standard_normal(jumps.shape)
     expected = boxes_by_hand(position, samples, 1.0)
-    assert list(_boxes(position, samples, 1.0)) == expected
+    assert list(boxes(position, samples, 1.0)) == expected
     assert expected
 
 
@@ -208,6 +213,19 @@ def test_pixels_per_degree() -> None:
     assert pixels_per_degree(1000, 50, 57.3) == pytest.approx(20, rel=1e-3)
     with pytest.raises(InputError, match="width_px, width_cm, distance_cm: numbers above 0"):
         pixels_per_degree(1000, 0, 57)
+
+
+def test_gaze_on_the_screen_becomes_gaze_on_the_image() -> None:
+    # Against the lab's own placement of images.
+    placement = fit(1000, 600, Area(0, 0, 1280, 400))
+    x_px, y_px = placement.window_point(250, 150)
+    gaze = gaze_of(np.zeros(1), np.array([x_px]), np.array([y_px]))
+    area = placement.area
+    found = image_coordinates(gaze, area.left_px, area.top_px, placement.scale)
+    assert found["x_px"].iloc[0] == pytest.approx(250, abs=0.5)
+    assert found["y_px"].iloc[0] == pytest.approx(150, abs=0.5)
+    with pytest.raises(InputError, match="scale: 0 given, above 0 accepted"):
+        image_coordinates(gaze, 0, 0, 0)
 
 
 def test_refuses() -> None:

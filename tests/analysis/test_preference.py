@@ -11,7 +11,8 @@ from statsmodels.stats.proportion import binom_test, binom_tost
 from algorithms.errors import InputError
 from analysis.estimates import to_json
 from analysis.multiplicity import holm
-from analysis.preference import Preference, preference, preferences
+from analysis.preference import Preference, preference
+from analysis.preference_pairs import preferences
 from benchmarks.judgements import MARGIN, repeated, sizes_single
 
 
