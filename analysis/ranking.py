@@ -100,7 +100,7 @@ def rank_summary(
     --------
     >>> summary = rank_summary([[1, 2, 3], [1, 3, 2], [1, 2, 3], [2, 1, 3]], items=("a", "b", "c"))
     >>> summary.table["item"].tolist(), summary.concordance.w
-    (['a', 'b', 'c'], 0.625)
+    (['a', 'b', 'c'], 0.5625)
     """
     rankings = check_ranks(ranks, items, ties=ties)
     table = rankings.ranks
