@@ -1,9 +1,10 @@
 """The picture of caustics: progressive photon mapping (Knaus and Zwicker 2011).
 
 Every pass traces photons of its own. Those that the camera sees directly are projected onto its
-pixels. For what it sees through glass and in mirrors, rays are followed to the first diffuse
-surface, and the density of photons there is estimated within a radius that shrinks from pass to
-pass, so that the mean of many passes loses both its noise and its blur.
+pixels, whatever their surface is made of. For what it sees through glass and in mirrors, rays are
+followed to the first matt surface, and the density of photons there is estimated within a radius
+that shrinks from pass to pass, so that the mean of many passes loses both its noise and its blur.
+Of glossy surfaces seen in that way only the diffuse part is shown.
 """
 
 from collections.abc import Sequence
@@ -79,7 +80,7 @@ class CausticRenderer:
     Raises
     ------
     InputError
-        If a number is out of range, or no diffuse surface is in view.
+        If a number is out of range, or no matt surface is in view.
     """
 
     def __init__(

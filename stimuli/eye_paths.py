@@ -1,4 +1,4 @@
-"""Rays from a camera through glass and mirrors to the first diffuse surface."""
+"""Rays from a camera through glass and mirrors to the first matt surface."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from algorithms.errors import InputError
 from stimuli.kernel_values import random_numbers
 from stimuli.mesh import Value
-from stimuli.surface_kinds import facing_normal, is_specular, receives
+from stimuli.surface_kinds import facing_normal, is_matt, is_specular
 
 Image = NDArray[np.float32]
 
@@ -31,7 +31,7 @@ class Sight:
     Attributes
     ----------
     valid
-        Whether there is a diffuse surface at the end.
+        Whether there is a matt surface at the end.
     position, normal
         Of that surface, on the side that is seen.
     weight
@@ -69,7 +69,7 @@ class Eye:
     samples
         Rays by pixel.
     directly
-        Whether diffuse surfaces count that are seen in a straight line.
+        Whether matt surfaces count that are seen in a straight line.
     """
 
     def __init__(self, scene: Value, sensor: Value, samples: int, *, directly: bool = True) -> None:
@@ -104,17 +104,17 @@ class Eye:
         return columns.reshape(self.shape).astype(np.float32)
 
     def footprint(self) -> float:
-        """Return the size of a pixel on the diffuse surfaces in view, in scene units: the median.
+        """Return the size of a pixel on the matt surfaces in view, in scene units: the median.
 
         Raises
         ------
         InputError
-            If no diffuse surface is in view.
+            If no matt surface is in view.
         """
         sight = self.look(0)
         valid = np.array(sight.valid)
         if not valid.any():
-            raise InputError("sensor: no diffuse surface is in its view")
+            raise InputError("sensor: no matt surface is in its view")
         ray, _ = self._sensor.sample_ray_differential(0.0, 0.5, mi.Point2f(0.5), mi.Point2f(0.5))
         length = float(np.median(np.array(sight.length)[valid]))
         # Differentials are a fixed step in the film's plane.
@@ -130,7 +130,7 @@ class Eye:
             bsdf = surface.bsdf(walk.ray)
             hit = walk.active & surface.is_valid()
             flags = bsdf.flags()
-            rests = hit & receives(surface, flags)
+            rests = hit & is_matt(surface, flags)
             sight = walk.sight
             sight.valid |= rests & (self._directly | (walk.bounces > 0))
             sight.position = dr.select(rests, surface.p, sight.position)

@@ -30,15 +30,13 @@ class EnergyBalance:
     emitted
         Sent towards the specular objects; the sum of all that follow.
     stored
-        Reached a diffuse surface after a specular one.
+        Reached a surface that scatters light, after a specular one.
     missed
         Met no surface, or another one first.
     escaped
         Left the scene after a specular surface.
     absorbed
         Taken by coloured glass, by mirrors, or by the black side of a surface.
-    glossy
-        Reached a surface that is neither specular nor purely diffuse, after a specular one.
     bounce_limit
         Still under way after as many specular surfaces as are followed.
     """
@@ -48,7 +46,6 @@ class EnergyBalance:
     missed: Power
     escaped: Power
     absorbed: Power
-    glossy: Power
     bounce_limit: Power
 
     def __add__(self, other: "EnergyBalance") -> "EnergyBalance":
@@ -58,20 +55,21 @@ class EnergyBalance:
 
 @dataclass(frozen=True)
 class PhotonMap:
-    """Photons on the diffuse surfaces of a scene, kept where the engine computes.
+    """Photons on the surfaces of a scene that scatter light, kept where the engine computes.
 
     Attributes
     ----------
-    position, normal, albedo, power
-        Dr.Jit's points, normals and colours of the photons: of the surface where each has come to
-        rest, on the side that it came from, and what it carries.
+    position, normal, origin, power
+        Dr.Jit's points, normals, vectors and colours: the place on a surface where each photon has
+        come to rest, its unit normal and the unit vector to where the photon came from, both on
+        the same side, and what it carries.
     energy
         Where the emitted power went.
     """
 
     position: Value
     normal: Value
-    albedo: Value
+    origin: Value
     power: Value
     energy: EnergyBalance
 
@@ -83,7 +81,7 @@ class PhotonMap:
         return cls(
             _concatenated([part.position for part in parts]),
             _concatenated([part.normal for part in parts]),
-            _concatenated([part.albedo for part in parts]),
+            _concatenated([part.origin for part in parts]),
             _concatenated([part.power for part in parts]),
             energy,
         )

@@ -1,10 +1,11 @@
-"""Tracing photons through glass and mirrors to the first diffuse surface.
+"""Tracing photons through glass and mirrors to the first surface that scatters light.
 
-Only paths L S+ D are stored, in Heckbert's notation: light, one or more specular surfaces, a
-diffuse one. Under directional and point lights these are exactly the paths that Mitsuba's `path`
-cannot find, so that a path-traced image plus these caustics counts every path once. Area lights can
-be hit by chance: their base image is that of `stimuli.caustic_free_integrator`. What the light of a
-caustic does after its first diffuse surface is left out of both.
+Only paths L S+ D are stored, in Heckbert's notation: light, one or more specular surfaces, one that
+scatters, matt or glossy. Under directional and point lights these are exactly the paths to such a
+surface that Mitsuba's `path` cannot find, so that a path-traced image plus these caustics counts
+every path once. Area lights can be hit by chance: their base image is that of
+`stimuli.caustic_free_integrator`. What the light of a caustic does after that surface is left out
+of both, and so is what rough glass does to it.
 """
 
 import warnings
@@ -26,7 +27,7 @@ from stimuli.mesh import Value
 from stimuli.photon_emission import Source, sources_of
 from stimuli.photon_map import EnergyBalance, PhotonMap
 from stimuli.specular_objects import aims_of
-from stimuli.surface_kinds import facing_normal, is_diffuse, is_specular, receives
+from stimuli.surface_kinds import facing_normal, is_specular, scatters
 
 BOUNCE_LIMIT: Final = 24
 """Specular surfaces that a photon may meet; what is left then, trapped in glass, is below 1e-5 of
@@ -38,7 +39,8 @@ _STRATIFIED_CHOICES: Final = 2
 _POINTS_AT_A_TIME: Final = 1 << 18
 _BELOW_ONE: Final = float(np.nextafter(np.float32(1), np.float32(0)))
 
-_MISSED, _STORED, _ESCAPED, _ABSORBED, _GLOSSY, _LIMITED = range(6)
+_ENDS: Final = range(5)
+_MISSED, _STORED, _ESCAPED, _ABSORBED, _LIMITED = _ENDS
 
 
 class PhotonTracer:
@@ -48,8 +50,7 @@ class PhotonTracer:
     ----------
     scene
         Mitsuba's scene. Every shape whose material is purely specular (`dielectric`,
-        `thindielectric`, `conductor` ...) casts caustics, every `diffuse` one (`twosided` or not)
-        receives them.
+        `thindielectric`, `conductor` ...) casts caustics, every other one receives them.
     lights
         By the scene's axes, see `photon_emission.sources_of`; None for the scene's own emitters.
 
@@ -132,7 +133,7 @@ class PhotonTracer:
             end=mi.UInt32(_MISSED),
             position=mi.Point3f(0),
             normal=mi.Normal3f(0),
-            albedo=mi.Color3f(0),
+            origin=mi.Vector3f(0),
         )
         return _stored(_follow(self.scene, flight), power)
 
@@ -161,7 +162,7 @@ class _Flight:
     end: Value  # why the flight ended
     position: Value  # of the last surface
     normal: Value  # its unit normal, on the side that the photon came from
-    albedo: Value  # its diffuse albedo
+    origin: Value  # the unit vector to where the photon came from
 
 
 def _follow(scene: Value, flight: _Flight) -> _Flight:
@@ -178,8 +179,7 @@ def _follow(scene: Value, flight: _Flight) -> _Flight:
         flight.end = dr.select(flight.active, _end(flight, surface, bsdf, hit), flight.end)
         flight.position = dr.select(hit, surface.p, flight.position)
         flight.normal = dr.select(hit, facing_normal(surface, flight.ray), flight.normal)
-        albedo = bsdf.eval_diffuse_reflectance(surface, hit & is_diffuse(bsdf.flags()))
-        flight.albedo = dr.select(hit, albedo, flight.albedo)
+        flight.origin = dr.select(hit, -flight.ray.d, flight.origin)
 
         sample, weight = bsdf.sample(context, surface, flight.choices.x, mi.Point2f(0.5), specular)
         after = dr.select(specular, flight.power * weight, flight.power)
@@ -198,9 +198,8 @@ def _follow(scene: Value, flight: _Flight) -> _Flight:
 def _end(flight: _Flight, surface: Value, bsdf: Value, hit: Value) -> Value:
     """Return why flights would end at a surface, or behind the last one."""
     flags = bsdf.flags()
-    at_receiver = dr.select(receives(surface, flags), _STORED, _ABSORBED)
-    at_matt = dr.select(is_diffuse(flags), at_receiver, _GLOSSY)
-    at_surface = dr.select(is_specular(flags), _LIMITED, at_matt)
+    at_rest = dr.select(scatters(surface, flags), _STORED, _ABSORBED)
+    at_surface = dr.select(is_specular(flags), _LIMITED, at_rest)
     after_specular = dr.select(hit, at_surface, _ESCAPED)
     first_specular = hit & is_specular(flags)
     return dr.select((flight.bounces > 0) | first_specular, after_specular, _MISSED)
@@ -209,25 +208,24 @@ def _end(flight: _Flight, surface: Value, bsdf: Value, hit: Value) -> Value:
 def _stored(ended: _Flight, emitted: Value) -> PhotonMap:
     """Keep the photons that were stored, and add up what became of all."""
     dr.eval(ended)
-    powers = {end: _sum(dr.select(ended.end == end, ended.power, 0)) for end in range(6)}
+    powers = {end: _sum(dr.select(ended.end == end, ended.power, 0)) for end in _ENDS}
     energy = EnergyBalance(
         emitted=_sum(emitted),
         stored=powers[_STORED],
         missed=powers[_MISSED],
         escaped=powers[_ESCAPED],
         absorbed=powers[_ABSORBED] + _sum(ended.absorbed),
-        glossy=powers[_GLOSSY],
         bounce_limit=powers[_LIMITED],
     )
     kept: Value = dr.compress((ended.end == _STORED) & dr.any(ended.power > 0))
     photons = PhotonMap(
         dr.gather(mi.Point3f, ended.position, kept),
         dr.gather(mi.Normal3f, ended.normal, kept),
-        dr.gather(mi.Color3f, ended.albedo, kept),
+        dr.gather(mi.Vector3f, ended.origin, kept),
         dr.gather(mi.Color3f, ended.power, kept),
         energy,
     )
-    dr.eval(photons.position, photons.normal, photons.albedo, photons.power)
+    dr.eval(photons.position, photons.normal, photons.origin, photons.power)
     return photons
 
 

@@ -22,8 +22,8 @@ def photon_map(positions: Rows, normals: Rows, powers: Rows) -> PhotonMap:
         for kind, array in ((mi.Point3f, positions), (mi.Normal3f, normals), (mi.Color3f, powers))
     )
     total = powers.sum(axis=0)
-    energy = EnergyBalance(total, total, *[np.zeros(3)] * 5)
-    return PhotonMap(point, normal, mi.Color3f(0.5), colour, energy)
+    energy = EnergyBalance(total, total, *[np.zeros(3)] * 4)
+    return PhotonMap(point, normal, mi.Vector3f(0, 1, 0), colour, energy)
 
 
 def on_a_plane(count: int, power: float, seed: int = 0) -> PhotonMap:

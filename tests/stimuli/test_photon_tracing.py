@@ -21,8 +21,8 @@ OBLIQUE = Light.from_direction((1, 2, 0.5), intensity=3.0)
 
 
 def fate(balance: EnergyBalance) -> NDArray[np.float64]:
-    """Return all that the emitted power may become, `(6, 3)`."""
-    causes = ("stored", "missed", "escaped", "absorbed", "glossy", "bounce_limit")
+    """Return all that the emitted power may become, `(5, 3)`."""
+    causes = ("stored", "missed", "escaped", "absorbed", "bounce_limit")
     return np.array([getattr(balance, cause) for cause in causes])
 
 
