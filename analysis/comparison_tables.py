@@ -49,24 +49,24 @@ def pair_table(responses: pd.DataFrame, study: Study, stimuli: StimulusSet) -> p
 def rank_table(responses: pd.DataFrame, study: Study, stimuli: StimulusSet) -> pd.DataFrame:
     """Return the answers of a `ranking` study, one row a ranking and one column an item.
 
-    Parameters and errors as of `pair_table`; rankings that were not answered are left out.
+    Parameters and errors as of `pair_table`.
 
     Returns
     -------
     pandas.DataFrame
         `participant`, `session`, `trial_index`, each factor of `stimuli.within`, the rank of each
-        item under the item's name (1 is best; missing for items that were not shown),
-        `reaction_time_s`, `simulated`, `pilot`.
+        item under the item's name (1 is best; missing for items that were not shown), `answer` (1;
+        missing where no answer was given), `reaction_time_s`, `simulated`, `pilot`.
     """
     table, items = _answered(responses, study, stimuli, "ranking")
     ranks = [
         dict(zip(shown, answer, strict=True)) if isinstance(answer, tuple) else {}
-        for shown, answer in zip(items, table.pop("answer"), strict=True)
+        for shown, answer in zip(items, table["answer"], strict=True)
     ]
-    names = item_names(study, stimuli)
-    for name in names:
+    for name in item_names(study, stimuli):
         table[name] = pd.array([each.get(name) for each in ranks], dtype="Int64")
-    return table.dropna(subset=names, how="all").reset_index(drop=True)
+    table["answer"] = pd.array([1 if each else None for each in ranks], dtype="Int64")
+    return table
 
 
 def judgement_table(responses: pd.DataFrame, study: Study, stimuli: StimulusSet) -> pd.DataFrame:

@@ -3,6 +3,7 @@
 import base64
 import json
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,11 @@ import pytest
 
 from algorithms.errors import InputError
 from analysis.report import analyse, differences
-from experiments.item_observers import ItemObserver, simulate_comparisons
+from experiments.item_observers import (
+    NOISE_OF_A_DIFFERENCE,
+    ItemObserver,
+    simulate_comparisons,
+)
 from experiments.store import Store
 from experiments.study import Study, Task
 from stimuli.manifest import StimulusSet
@@ -36,6 +41,14 @@ def report_of(
 @pytest.fixture(scope="module")
 def pairs(study: Study, drawn_set: StimulusSet, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return report_of("two-alternative", study, drawn_set, tmp_path_factory.mktemp("pairs"))
+
+
+def with_answers(stimuli: StimulusSet, answers: Sequence[int | None]) -> StimulusSet:
+    """Return a set with other right answers."""
+    content = stimuli.model_dump()
+    for stimulus, answer in zip(content["stimuli"], answers, strict=True):
+        stimulus["answer"] = answer
+    return StimulusSet.model_validate(content)
 
 
 def visible_text(page: str) -> str:
@@ -81,6 +94,55 @@ def test_the_pages_of_comparisons_stand_alone_and_say_simulated(pairs: Path) -> 
     for drawing in re.findall(r"svg\+xml;base64,([^\"]+)", page):
         assert b"svg" in base64.b64decode(drawing)
     assert differences(pairs.parent / "answers.sqlite", pairs) == []
+
+
+def test_rankings_are_ordered_as_the_observers_see_them(
+    study: Study, drawn_set: StimulusSet, tmp_path: Path
+) -> None:
+    report = report_of("ranking", study, drawn_set, tmp_path)
+    text = visible_text((report / "report.html").read_text())
+    table = pd.read_csv(report / "tables" / "mean-ranks.csv")
+    overall = table[table["group"] == "all"]
+    assert overall["item"].tolist() == ["back", "front", "front-back"]
+    assert overall["mean"].sum() == pytest.approx(6)
+    assert "Simulated observers, not people, rank (all)" in text
+    assert "No Plackett-Luce scale: each participant ranked several sets" in text
+    tests = pd.read_csv(report / "tables" / "concordance-tests.csv")
+    assert set(tests["test"]) == {"material diffuse", "material shiny"}
+    assert not re.search(r"\b(nan|inf|None)\b", text)
+    assert differences(tmp_path / "answers.sqlite", report) == []
+
+
+def test_judgements_tell_photographs_from_the_rest(
+    study: Study, drawn_set: StimulusSet, tmp_path: Path
+) -> None:
+    # In this set every image of the placement "back" counts as a true photograph.
+    stimuli = with_answers(
+        drawn_set, [int(each.factors["placement"] == "back") for each in drawn_set.stimuli]
+    )
+    report = report_of("yes-no", study, stimuli, tmp_path)
+    text = visible_text((report / "report.html").read_text())
+    shares = pd.read_csv(report / "tables" / "shares.csv").set_index("item")["share"]
+    assert shares["back"] > shares["front"] > shares["front-back"]
+    d_prime = pd.read_csv(report / "tables" / "sensitivity.csv").set_index("item")["d_prime"]
+    # Theory: yes has z-scores that differ by the difference of qualities over their spread.
+    for item, quality in QUALITIES.items():
+        if item != "back":
+            expected = (QUALITIES["back"] - quality) / (NOISE_OF_A_DIFFERENCE / np.sqrt(2))
+            assert d_prime[item] == pytest.approx(expected, abs=0.45)
+    assert "Photographs are told from front with d" in text
+    assert not re.search(r"\b(nan|inf|None)\b", text)
+    assert differences(tmp_path / "answers.sqlite", report) == []
+
+
+def test_judgements_without_photographs_have_shares_alone(
+    study: Study, drawn_set: StimulusSet, tmp_path: Path
+) -> None:
+    stimuli = with_answers(drawn_set, [None] * len(drawn_set.stimuli))
+    report = report_of("yes-no", study, stimuli, tmp_path, participants=2)
+    text = visible_text((report / "report.html").read_text())
+    assert "so there is no d" in text
+    assert not (report / "tables" / "sensitivity.csv").exists()
 
 
 def test_one_participant_gets_what_one_can_give(
