@@ -32,6 +32,8 @@ class Converged:
         The mean of all passes, float32 `(height, width, 3)`.
     coverage
         Likewise, float32 `(height, width)`; None if the passes do not tell it.
+    halves
+        The radiance of the passes with even and with odd numbers, counted from 0.
     noise_rms_of_255
         The noise that is left in it, root mean square over pixels and channels, in 1/255 of the
         encoded values as displayed.
@@ -41,6 +43,7 @@ class Converged:
 
     radiance: Image
     coverage: Image | None
+    halves: tuple[Image, Image]
     noise_rms_of_255: float
     passes: int
 
@@ -95,7 +98,8 @@ def render_until(
         passes = wanted
     mean = ((halves[0] + halves[1]) / passes).astype(np.float32)
     coverage = mean[..., 3] if mean.shape[-1] == 4 else None
-    return Converged(mean[..., :3], coverage, noise, passes)
+    even, odd = ((half[..., :3] * (2 / passes)).astype(np.float32) for half in halves)
+    return Converged(mean[..., :3], coverage, (even, odd), noise, passes)
 
 
 def _noise(halves: Sequence[NDArray[np.float64]], passes: int, exposure: float) -> float:
