@@ -19,6 +19,7 @@ COARSE: Final = View(width_px=256, height_px=150, radius_px=26.25, samples=4)
 BACKGROUND: Final = float(decode_srgb(np.array(128 / 255)))
 """Display-referred linear light behind the objects: the grey that surrounds the runners' images."""
 
+OBJECTS: Final = 8
 _MESH_SIZE: Final = (128, 256)
 _COLUMNS: Final = 4
 _SPACING: Final = (2.4375, 2.857)  # of the objects' centres, in their radii
@@ -55,4 +56,4 @@ def place_objects(
 
 def _texture_size(material: Material) -> tuple[int, int]:
     """Return rows and columns that leave no texel larger than a pixel where it would show."""
-    return {"plain": (2, 4), "checkerboard": (1024, 2048)}.get(material.pattern, (384, 768))
+    return {"plain": (2, 4), "perlin": (384, 768)}.get(material.pattern, (1024, 2048))

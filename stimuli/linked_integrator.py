@@ -35,9 +35,14 @@ def linked_integrator_class() -> Value:
             self.centres = [mi.Float(column) for column in centres.T]
             self.shadow_offsets = [mi.Float(column) for column in (shadow_centres - centres).T]
 
-        def link(self, rigs: Sequence[Sequence[Light]]) -> None:
-            """Give each object its lights, to each of them equally many."""
+        def link(self, rigs: Sequence[Sequence[Light]], hands: int) -> None:
+            """Give each object its lights, to each of them equally many.
+
+            They are dealt out to so many hands, the samples of a pixel; to one hand if each sample
+            is to see all of them.
+            """
             lights = [light for rig in rigs for light in rig]
+            self.hands = dr.opaque(mi.UInt32, hands)
             self.count = dr.opaque(mi.UInt32, len(lights) // len(rigs))
             directions = np.array([light.direction for light in lights])
             self.directions = [mi.Float(column) for column in directions.T]
@@ -58,17 +63,17 @@ def linked_integrator_class() -> Value:
             hit = scene.ray_intersect(ray, active)
             active = active & hit.is_valid()
             number = mi.UInt32(hit.shape.eval_attribute_1("face_number", hit, active))
+            hand = dr.arange(mi.UInt32, dr.width(ray.o)) % self.hands
 
             def add(index: Value, radiance: Value, shading: Value) -> tuple[Value, Value, Value]:
                 more, white = self.reflected(hit, number, number * self.count + index, active)
-                return index + 1, radiance + more, shading + white
+                return index + self.hands, radiance + more, shading + white
 
             _, radiance, shading = dr.while_loop(
-                (mi.UInt32(0), mi.Spectrum(0), mi.Float(0)),
-                lambda index, *_: index < self.count,
-                add,
+                (hand, mi.Spectrum(0), mi.Float(0)), lambda index, *_: index < self.count, add
             )
-            return radiance & active, active, [shading & active]
+            share: Value = mi.Float(self.hands)
+            return (radiance * share) & active, active, [(shading * share) & active]
 
         def reflected(
             self, hit: Value, number: Value, light: Value, active: Value

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -24,6 +24,9 @@ from stimuli.truth import regions_file, truth_files, write_truth
 Place = Callable[[str, int], Sequence[Placed]]
 """Returns the objects of a scene of that name; the number says how many times coarser than for the
 pictures meshes and textures may be."""
+
+LEVELS_DEG: Final = tuple(range(0, 91, 10))
+"""The divergences of both experiments."""
 
 _SCENES_KEPT: Final = 2
 
@@ -96,7 +99,9 @@ def linked_plan(
     place: Place,
     view: View,
     names: Mapping[int, str],
+    *,
     coarseness: int = 1,
+    recurring: bool = True,
 ) -> Plan:
     """Return the plan of a set.
 
@@ -112,6 +117,8 @@ def linked_plan(
         Of the objects by number, for analysis.
     coarseness
         Of the scenes that only the exposure is measured on; 1 for those of the pictures.
+    recurring
+        Whether objects recur from image to image, so that one can know their usual brightness.
     """
     renderer_of = lru_cache(_SCENES_KEPT)(lambda scene, coarse: make_renderer(place(scene, coarse)))
     exposure = exposure_for(
@@ -126,7 +133,8 @@ def linked_plan(
         "camera": {"projection": "orthographic", **asdict(view)},
         "background_display": BACKGROUND,
     }
-    return Plan(jobs, exposure, names, details, observer_details)
+    conclude = partial(observer_details, level="divergence_deg", recurring=recurring)
+    return Plan(jobs, exposure, names, details, conclude)
 
 
 @dataclass(frozen=True)

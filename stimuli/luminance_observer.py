@@ -78,16 +78,23 @@ def experienced_hit_rates(stimuli: StimulusSet, level: str) -> tuple[HitRate, ..
     return _hit_rates(stimuli, level, pick)
 
 
-def observer_details(stimuli: StimulusSet, level: str = "divergence_deg") -> dict[str, Any]:
-    """Return both observers' hit rates by the levels of a factor, as a manifest tells them."""
+def observer_details(stimuli: StimulusSet, level: str, *, recurring: bool) -> dict[str, Any]:
+    """Return the observers' hit rates as a manifest tells them.
 
-    def told(rates: Sequence[HitRate]) -> list[dict[str, float]]:
-        return [asdict(rate) | {"hit_rate": rate.hits / rate.images} for rate in rates]
-
+    Parameters
+    ----------
+    stimuli, level
+        As of the observers.
+    recurring
+        Whether objects recur from image to image; else no observer has experience with them.
+    """
+    observers = {"outlier": outlier_hit_rates}
+    if recurring:
+        observers["experienced"] = experienced_hit_rates
     return {
         "luminance_observers": {
-            "outlier": told(outlier_hit_rates(stimuli, level)),
-            "experienced": told(experienced_hit_rates(stimuli, level)),
+            name: [asdict(rate) | {"hit_rate": rate.hits / rate.images} for rate in rates]
+            for name, rates in ((name, rate(stimuli, level)) for name, rate in observers.items())
         }
     }
 

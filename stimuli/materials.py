@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from algorithms.noise import PerlinNoise
 
 Finish = Literal["diffuse", "shiny"]
-Pattern = Literal["plain", "perlin", "checkerboard"]
+Pattern = Literal["plain", "perlin", "checkerboard", "squares"]
 
 ROUGHNESS: Final = 0.16
 """Of the shiny objects of experiment 1."""
@@ -28,7 +28,8 @@ class Material:
     finish
         `diffuse` (Lambertian) or `shiny` (a Lambertian base under a glossy coat).
     pattern
-        How the diffuse albedo varies over the surface.
+        How the diffuse albedo varies over the surface: noise, a checkerboard in space (whose tiles
+        are cut by the surface into many forms), or one of nearly square tiles on the surface.
     albedo
         Lowest and highest diffuse albedo, 0..1; equal for a plain surface.
     frequency
@@ -74,6 +75,9 @@ class Material:
             turn = np.linalg.qr(generator.normal(size=(3, 3)))[0]
             tiles = np.floor(points @ turn * self.frequency + generator.uniform(size=3))
             return np.asarray(tiles.sum(axis=-1) % 2)
+        if self.pattern == "squares":
+            turn = np.linalg.qr(generator.normal(size=(3, 3)))[0]
+            return squares(points @ turn, 2 * round(self.frequency * np.pi / 4))
         noise = PerlinNoise(generator)
         offset = generator.uniform(0, 64, size=3)
         values = noise.fractal(points * self.frequency + offset, 2)
@@ -110,6 +114,32 @@ class Material:
             "int_ior": _REFRACTIVE_INDEX,
             "diffuse_reflectance": texture,
         }
+
+
+def squares(directions: NDArray[np.floating[Any]], tiles: int) -> NDArray[np.float64]:
+    """Return a checkerboard over the sphere: the faces of a cube, each of equally wide tiles.
+
+    Parameters
+    ----------
+    directions
+        `(..., 3)`, of any length but 0.
+    tiles
+        Along an edge of the cube, a quarter of the sphere's circumference; an even number.
+
+    Returns
+    -------
+    0 or 1 `(...)`. Three tiles meet at a corner of the cube, so that not all neighbours can
+    differ: they do within the faces, and across eight of the twelve edges.
+    """
+    size = np.abs(directions)
+    axis = size.argmax(axis=-1)
+    beside = np.stack([(axis + 1) % 3, (axis + 2) % 3], axis=-1)
+    along = np.take_along_axis(directions, axis[..., None], axis=-1)[..., 0]
+    across = np.take_along_axis(directions, beside, axis=-1) / np.abs(along)[..., None]
+    # By angle: through the centre of the cube, its tiles are seen at one width.
+    index = np.floor((np.arctan(across) * 4 / np.pi + 1) / 2 * tiles).clip(0, tiles - 1)
+    face = (along > 0) ^ (axis == 0)
+    return np.asarray((index.sum(axis=-1) + face) % 2)
 
 
 def roughness_of(exponent: float) -> float:

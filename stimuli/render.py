@@ -9,7 +9,7 @@ light. Light that passes between parts of one object (interreflection) is left o
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from typing import Final
 
 import mitsuba as mi
@@ -72,7 +72,7 @@ class Renderer(ABC):
         if not self.objects:
             raise InputError("objects: one or more are accepted")
 
-    def render(self, view: View, rigs: Sequence[Rig]) -> Rendered:
+    def render(self, view: View, rigs: Sequence[Rig], *, dealt: bool = False) -> Rendered:
         """Render with the lights of each object.
 
         Parameters
@@ -81,6 +81,10 @@ class Renderer(ABC):
             The camera.
         rigs
             The lights of each object in their order, for each of them equally many, one or more.
+        dealt
+            Whether the lights of an object are dealt out to the samples of a pixel, to each of
+            them equally many, instead of being seen by all: for many lights that stand for a wide
+            one. An engine that gains nothing by this does not do it.
 
         Raises
         ------
@@ -97,17 +101,22 @@ class Renderer(ABC):
             radius = placed.mesh.bounding_radius
             if any(light.distance and light.distance <= radius for light in rig):
                 raise InputError(f"rigs: a light's distance of more than {radius:.3g} is accepted")
-        return self._render(view, rigs)
+        if dealt and len(rigs[0]) % view.samples:
+            raise InputError(f"rigs: a multiple of {view.samples} lights is accepted where dealt")
+        return self._render(view, rigs, view.samples if dealt else 1)
 
     @abstractmethod
-    def _render(self, view: View, rigs: Sequence[Rig]) -> Rendered: ...
+    def _render(self, view: View, rigs: Sequence[Rig], hands: int) -> Rendered: ...
 
     def ground_truth(self, view: View) -> GroundTruth:
         """Return what is known exactly at every pixel's centre."""
         self._numbers(view)
-        scene = mi.load_dict(scene_of(self.objects, [placed.centre for placed in self.objects]))
         numbers = {f"object_{index}": index + 1 for index in range(len(self.objects))}
-        return ground_truth(scene, view, numbers)
+        return ground_truth(self._scene, view, numbers)
+
+    @cached_property
+    def _scene(self) -> Value:
+        return mi.load_dict(scene_of(self.objects, [placed.centre for placed in self.objects]))
 
     def _numbers(self, view: View) -> NDArray[np.uint8]:
         """Return the number of the only object that may be seen in each pixel."""
@@ -127,13 +136,15 @@ class LinkedRenderer(Renderer):
         super().__init__(objects)
         centres = [placed.centre for placed in self.objects]
         apart = [(SHADOW_SPACING * number, 0.0) for number in range(len(centres))]
-        self._scene = mi.load_dict(scene_of(self.objects, centres))
+        blockers = scene_of([_whitened(placed) for placed in self.objects], apart)
         self._integrator = linked_integrator_class()(
-            mi.load_dict(scene_of(self.objects, apart)), np.array(centres), np.array(apart)
+            self._scene if centres == apart else mi.load_dict(blockers),
+            np.array(centres),
+            np.array(apart),
         )
 
-    def _render(self, view: View, rigs: Sequence[Rig]) -> Rendered:
-        self._integrator.link(rigs)
+    def _render(self, view: View, rigs: Sequence[Rig], hands: int) -> Rendered:
+        self._integrator.link(rigs, hands)
         sensor = view.sensor("grid")
         pixels = np.array(
             mi.render(self._scene, sensor=sensor, integrator=self._integrator, spp=view.samples)
@@ -162,10 +173,10 @@ class SuperposedRenderer(Renderer):
     def __init__(self, objects: Sequence[Placed]) -> None:
         super().__init__(objects)
         self._integrator = mi.load_dict(self._INTEGRATOR)
-        self._scene = cache(self._new_scene)
+        self._lit_scene = cache(self._new_scene)
         self._kept = cache(self._part)
 
-    def _render(self, view: View, rigs: Sequence[Rig]) -> Rendered:
+    def _render(self, view: View, rigs: Sequence[Rig], hands: int) -> Rendered:  # noqa: ARG002
         pixels = np.zeros((view.height_px, view.width_px, 5), np.float32)
         for number, (placed, rig) in enumerate(zip(self.objects, rigs, strict=True)):
             left, top, right, bottom = view.box_px(placed.centre)
@@ -182,7 +193,7 @@ class SuperposedRenderer(Renderer):
         kind = "directional" if light.distance is None else "point"
         pictures = []
         for white in (False, True):
-            scene = self._scene(number, kind, white)
+            scene = self._lit_scene(number, kind, white)
             set_light(scene, light, self.objects[number].centre)
             pixels = mi.render(scene, sensor=sensor, integrator=self._integrator, spp=view.samples)
             pictures.append(np.array(pixels))
@@ -191,9 +202,12 @@ class SuperposedRenderer(Renderer):
 
     def _new_scene(self, number: int, kind: str, white: bool) -> Value:
         placed = self.objects[number]
-        if white:
-            placed = replace(placed, material=_WHITE, albedo=np.ones((2, 4)))
+        placed = _whitened(placed) if white else placed
         return mi.load_dict(scene_of([placed], [placed.centre]) | LIGHTS[kind])
+
+
+def _whitened(placed: Placed) -> Placed:
+    return replace(placed, material=_WHITE, albedo=np.ones((2, 4)))
 
 
 def make_renderer(objects: Sequence[Placed]) -> Renderer:

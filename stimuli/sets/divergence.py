@@ -17,14 +17,13 @@ import numpy as np
 from algorithms.errors import InputError
 from stimuli.arrangement import FULL, QUICK, place_objects
 from stimuli.engine import choose_engine
-from stimuli.linked_set import LinkedImage, linked_plan
+from stimuli.linked_set import LEVELS_DEG, LinkedImage, linked_plan
 from stimuli.making import Plan, Progress, make_set, no_progress, recipe_of
 from stimuli.manifest import Role, StimulusSet
 from stimuli.materials import TABLE_2_1, Finish
 from stimuli.rigs import CENTRE_ELEVATIONS_DEG, diverging_keys
 from stimuli.scene import Placed
 
-LEVELS_DEG: Final = tuple(range(0, 91, 10))
 FINISHES: Final[tuple[Finish, ...]] = ("diffuse", "shiny")
 # Diffuse and shiny alternate; the two checkerboards stand at opposite corners.
 MAIN_ORDER: Final = "dagbchfe"

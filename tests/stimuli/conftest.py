@@ -12,7 +12,7 @@ from stimuli.camera import View
 from stimuli.engine import Engine, choose_engine, engine_report
 from stimuli.manifest import StimulusSet
 from stimuli.render import Renderer, make_renderer
-from stimuli.sets import divergence
+from stimuli.sets import divergence, texture
 from tests.conftest import require
 
 QUICK_SEED = 2011
@@ -54,6 +54,12 @@ def main_renderer(_main_renderer: Renderer) -> Renderer:
     return _main_renderer
 
 
+@pytest.fixture(scope="session")
+def quick_texture_set(tmp_path_factory: pytest.TempPathFactory) -> StimulusSet:
+    """The quick set of experiment 2, rendered by the fastest engine."""
+    return texture.make(tmp_path_factory.mktemp("texture"), seed=QUICK_SEED, quick=True)
+
+
 @pytest.fixture
 def make_tiny(tiny: None) -> Callable[..., StimulusSet]:  # noqa: ARG001
     """Make the quick set of experiment 1 with the real code, tiny."""
@@ -67,5 +73,5 @@ def tiny(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(arrangement, "_MESH_SIZE", (24, 48))
     view = View(width_px=64, height_px=38, radius_px=6.5, samples=4)
     monkeypatch.setattr(linked_set, "COARSE", view)
-    for module, name in product((divergence,), ("QUICK", "FULL")):
+    for module, name in product((divergence, texture), ("QUICK", "FULL")):
         monkeypatch.setattr(module, name, view)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from stimuli.materials import TABLE_2_1, Material, exponent_of, roughness_of
+from stimuli.materials import TABLE_2_1, Material, exponent_of, roughness_of, squares
 from stimuli.shapes import sphere_directions
 
 POINTS = sphere_directions(64, 128)
@@ -88,3 +88,44 @@ def test_objects_of_one_material_do_not_share_a_texture() -> None:
         first, second = albedo_of(letter, seed=1), albedo_of(letter, seed=2)
         assert abs(np.corrcoef(first.ravel(), second.ravel())[0, 1]) < 0.5
         assert (albedo_of(letter, seed=1) == first).all()
+
+
+@pytest.mark.parametrize("tiles", [2, 8])
+def test_squares_are_equally_wide_and_alternate(tiles: int) -> None:
+    # Definition: from edge to edge of a face, through its centre or beside it, so many tiles of
+    # equal angle, and each differs from the next.
+    angle_deg = np.linspace(-45, 45, 9001)[1:-1]
+    for beside in (0.05, 0.4):
+        line = np.stack(
+            [
+                np.tan(np.radians(angle_deg)),
+                np.full(angle_deg.shape, beside),
+                np.ones(len(angle_deg)),
+            ],
+            axis=-1,
+        )
+        for turned in (line, -line, line[:, [2, 0, 1]], line[:, [1, 2, 0]]):
+            borders = angle_deg[1:][np.diff(squares(turned, tiles)) != 0]
+            assert_allclose(borders, np.arange(1, tiles) * 90 / tiles - 45, atol=0.02)
+
+
+def test_squares_alternate_across_eight_of_the_twelve_edges() -> None:
+    # Theory: three tiles meet at each corner, so that some neighbours must be alike.
+    differ = 0
+    for axis in range(3):
+        for signs in np.ndindex(2, 2):
+            edge = np.full((2, 3), 0.1)
+            others = [other for other in range(3) if other != axis]
+            edge[:, others] = 1 - 2 * np.array(signs)
+            edge[[0, 1], others] *= 1.001
+            first, second = squares(edge, 4)
+            differ += first != second
+    assert differ == 8
+
+
+def test_squares_come_in_two_tones_of_equal_area() -> None:
+    area = np.linalg.norm(POINTS[..., [0, 2]], axis=-1)
+    material = Material("diffuse", "squares", (0.0, 1.0), frequency=8 / (np.pi / 2))
+    albedo = material.albedo_at(POINTS, np.random.default_rng(1))
+    assert set(np.unique(albedo)) == {0, 1}
+    assert_allclose(np.average(albedo, weights=area), 0.5, atol=0.02)
