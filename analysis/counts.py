@@ -34,11 +34,10 @@ def level_counts(
     InputError
         Naming the argument and what is accepted.
     """
-    if not 0 <= guess_rate <= LARGEST_GUESS_RATE:
-        raise InputError(f"guess_rate: {guess_rate} given, 0 to {LARGEST_GUESS_RATE} accepted")
-    level = _one_dimensional("levels", levels)
-    right = _whole("correct", correct)
-    answers = _whole("total", total)
+    _check_guess_rate(guess_rate)
+    level = _numbers("levels", levels, 1)
+    right = _whole("correct", correct, 1)
+    answers = _whole("total", total, 1)
     if not level.shape == right.shape == answers.shape:
         raise InputError(
             f"levels, correct, total: {level.size}, {right.size} and {answers.size} entries given,"
@@ -57,20 +56,66 @@ def level_counts(
     )
 
 
-def _one_dimensional(name: str, values: ArrayLike) -> NDArray[np.float64]:
+def count_rows(
+    levels: ArrayLike, correct: ArrayLike, total: ArrayLike, guess_rate: float, row: str = "fit"
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Check counts of many data sets, or of many participants, at the same levels.
+
+    Parameters
+    ----------
+    levels
+        Different levels in rising order, shape (l,), two or more.
+    correct, total
+        Right answers and all answers, shape (n, l), whole numbers; 0 answers are allowed.
+    guess_rate
+        As in `analysis.fit_threshold`.
+    row
+        What a row is, for the message.
+
+    Returns
+    -------
+    The three as floating-point arrays.
+
+    Raises
+    ------
+    InputError
+        Naming the argument and what is accepted.
+    """
+    _check_guess_rate(guess_rate)
+    level = _numbers("levels", levels, 1)
+    if level.size < 2 or np.any(np.diff(level) <= 0):
+        raise InputError("levels: two or more different ones in rising order accepted")
+    right, answers = _whole("correct", correct, 2), _whole("total", total, 2)
+    if right.shape != answers.shape or right.shape[1:] != level.shape:
+        raise InputError(
+            f"correct, total: shapes {right.shape} and {answers.shape} given,"
+            f" one row a {row} with {level.size} levels accepted"
+        )
+    if np.any(right > answers):
+        raise InputError("correct: more right answers than answers given")
+    return level, right, answers
+
+
+def _check_guess_rate(guess_rate: float) -> None:
+    if not 0 <= guess_rate <= LARGEST_GUESS_RATE:
+        raise InputError(f"guess_rate: {guess_rate} given, 0 to {LARGEST_GUESS_RATE} accepted")
+
+
+def _numbers(name: str, values: ArrayLike, dimensions: int) -> NDArray[np.float64]:
     try:
         array = np.asarray(values, dtype=float)
     except (TypeError, ValueError):
         raise InputError(f"{name}: not a sequence of numbers") from None
-    if array.ndim != 1:
-        raise InputError(f"{name}: shape {array.shape} given, (n,) accepted")
+    if array.ndim != dimensions:
+        accepted = "(n,)" if dimensions == 1 else "(n, levels)"
+        raise InputError(f"{name}: shape {array.shape} given, {accepted} accepted")
     if not np.all(np.isfinite(array)):
         raise InputError(f"{name}: NaN or infinite entries given, finite numbers accepted")
     return array
 
 
-def _whole(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    array = _one_dimensional(name, values)
+def _whole(name: str, values: ArrayLike, dimensions: int) -> NDArray[np.float64]:
+    array = _numbers(name, values, dimensions)
     if np.any(array < 0) or np.any(array % 1 != 0):
         raise InputError(f"{name}: whole numbers of 0 or more accepted")
     return array

@@ -10,6 +10,8 @@ import numpy as np
 import pandas as pd
 
 CONFIDENCE = 0.95
+# The metadata of a field that a result computes with and nobody reads: it is not in the JSON.
+INSIDE = {"inside": True}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -63,7 +65,8 @@ def to_json(result: object) -> str:
 
 def _plain(value: object) -> object:
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {f.name: _plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
+        fields = [f.name for f in dataclasses.fields(value) if f.metadata != INSIDE]
+        return {name: _plain(getattr(value, name)) for name in fields}
     if isinstance(value, pd.DataFrame):
         return _plain(value.to_dict("records"))
     if isinstance(value, Mapping):

@@ -8,7 +8,8 @@ from scipy.special import ndtr
 from algorithms.errors import InputError
 from analysis.bootstrap import Matrix
 from analysis.estimates import CONFIDENCE, Estimate
-from analysis.thresholds import WIDTH_IN_SIGMAS, ThresholdFit
+from analysis.sigmoid import WIDTH_IN_SIGMAS
+from analysis.thresholds import ThresholdFit
 
 _LARGEST_CONDITION = 1e12
 

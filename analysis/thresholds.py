@@ -1,7 +1,7 @@
 """The threshold as the mid-point of a fitted psychometric function."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -9,21 +9,28 @@ import pandas as pd
 import psignifit
 from numpy.typing import ArrayLike, NDArray
 from psignifit.sigmoids import Gaussian
-from scipy.special import ndtr, ndtri
+from scipy.special import ndtr
 
 from algorithms.errors import InputError
 from analysis.counts import LevelCounts, level_counts
-from analysis.estimates import CONFIDENCE, Estimate, software_version
+from analysis.estimates import CONFIDENCE, INSIDE, Estimate, software_version
+from analysis.posterior import Posterior
 from analysis.priors import default_priors
+from analysis.sigmoid import (
+    WIDTH_ALPHA,
+    WIDTH_IN_SIGMAS,
+    check_share,
+    distance_to,
+    rate_at,
+    slope_at_threshold,
+)
+from analysis.stated_threshold import StatedThreshold, place
 
 # psignifit's default (40, 40, 20, 20) takes twice as long, for intervals whose ends move by less
 # than 1 % of their length (benchmarks/recovery.py --grids).
 GRID_STEPS = {"threshold": 40, "width": 30, "lambda": 15, "eta": 12}
 # The grid resolves the posterior when tightening would not shrink it below this share.
 TIGHT_ENOUGH = 0.6
-
-_WIDTH_ALPHA = 0.05
-WIDTH_IN_SIGMAS = float(ndtri(1 - _WIDTH_ALPHA) - ndtri(_WIDTH_ALPHA))
 
 
 @dataclass(frozen=True)
@@ -38,6 +45,8 @@ class ThresholdFit:
     threshold, width
         In the unit of the levels, with 95 % credible intervals; an end of the threshold's interval
         beyond the levels tested is infinite, and so is a threshold that they do not bracket.
+    slope
+        The rise at the threshold, as a share of right answers a unit of the levels.
     lapse_rate, overdispersion
         The share of wrong answers however large the level, and the standard deviation of the
         rate at a level beyond binomial scatter (0 to 1, psignifit's eta).
@@ -53,10 +62,13 @@ class ThresholdFit:
         The number of answers.
     definition, method, version
         What is meant by threshold here, how it was computed, and by which Trompe.
+    posterior
+        What other results are computed from; in no table.
     """
 
     threshold: Estimate
     width: Estimate
+    slope: Estimate
     lapse_rate: Estimate
     overdispersion: Estimate
     guess_rate: float
@@ -69,16 +81,52 @@ class ThresholdFit:
     definition: str = "mid-point of a psychometric function"
     method: str = "psignifit, cumulative normal, beta-binomial, posterior means"
     version: str = ""
+    posterior: Posterior | None = field(default=None, repr=False, compare=False, metadata=INSIDE)
 
     def rate(self, levels: ArrayLike) -> NDArray[np.float64]:
         """Return the fitted share of right answers at some levels.
 
         Where the threshold is not bracketed by the levels there is no curve: all NaN.
         """
-        scaled = (np.asarray(levels, float) - self.threshold.value) / self.width.value
-        span = 1 - self.guess_rate - self.lapse_rate.value
-        curve = self.guess_rate + span * ndtr(scaled * WIDTH_IN_SIGMAS)
-        return np.asarray(curve if self.reached == "within" else np.full_like(scaled, np.nan))
+        at = np.asarray(levels, float)
+        if self.reached != "within":
+            return np.full(at.shape, np.nan)
+        return rate_at(
+            at, self.threshold.value, self.width.value, self.guess_rate, self.lapse_rate.value
+        )
+
+    def threshold_at(self, correct: float) -> StatedThreshold:
+        """Return the level at which a stated share of the answers is right.
+
+        Parameters
+        ----------
+        correct
+            The share, above the guess rate and below 1: 0.75 for 75 %.
+
+        Returns
+        -------
+        StatedThreshold
+            Where the curve of `rate` has that share, with the 95 % credible interval.
+
+        Raises
+        ------
+        InputError
+            If the share is impossible, or the fit has lost its posterior.
+        """
+        check_share(correct, self.guess_rate)
+        if self.posterior is None:
+            raise InputError("threshold_at: a fit as `fit_threshold` returns it accepted")
+        far = distance_to(correct, self.width.value, self.guess_rate, self.lapse_rate.value)
+        value, reached = place(self.threshold.value + float(far), self.levels)
+        return StatedThreshold(
+            Estimate(value, *self.posterior.level_of(correct).interval),
+            correct,
+            reached,
+            self.guess_rate,
+            self.n,
+            self.method,
+            self.version,
+        )
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row: the estimates with their intervals, and what they mean."""
@@ -90,7 +138,7 @@ class ThresholdFit:
         for name, value in vars(self).items():
             if isinstance(value, Estimate):
                 row |= value.columns(name)
-            elif not isinstance(value, tuple):
+            elif not isinstance(value, tuple | Posterior):
                 row[name] = value
         return row
 
@@ -154,9 +202,12 @@ def fit_threshold(
     result = _fit(counts, guess_rate, grid_steps)
     estimates = {name: _estimate(result, name) for name in GRID_STEPS}
     threshold, reached = _within_levels(estimates["threshold"], counts)
+    posterior = _posterior(result, counts, guess_rate)
+    slope = slope_at_threshold(estimates["width"].value, guess_rate, estimates["lambda"].value)
     return ThresholdFit(
         threshold=threshold,
         width=estimates["width"],
+        slope=Estimate(float(slope), *posterior.slope().interval),
         lapse_rate=estimates["lambda"],
         overdispersion=estimates["eta"],
         guess_rate=guess_rate,
@@ -165,6 +216,7 @@ def fit_threshold(
         **asdict(counts),
         n=sum(counts.total),
         version=software_version(),
+        posterior=posterior,
     )
 
 
@@ -202,10 +254,11 @@ def _fit(counts: LevelCounts, guess_rate: float, grid_steps: Mapping[str, int]) 
                 grid_steps=dict(grid_steps),
                 steps_moving_bounds=dict.fromkeys(GRID_STEPS, 3),
                 max_bound_value=0.0,
-                width_alpha=_WIDTH_ALPHA,
+                width_alpha=WIDTH_ALPHA,
                 # What it would warn of (few trials, a posterior cut off) is in the intervals: they
                 # are infinite where the levels set no bound.
                 verbose=False,
+                debug=True,  # it returns the joint posterior
             )
         tighter = {name: _relevant_range(result, name) for name in GRID_STEPS}
         if all(
@@ -242,13 +295,24 @@ def _estimate(result: psignifit.Result, name: str) -> Estimate:
     return Estimate(float(result.parameter_estimate_mean[name]), float(low), float(high))
 
 
+def _posterior(result: psignifit.Result, counts: LevelCounts, guess_rate: float) -> Posterior:
+    names = sorted(result.parameter_values)  # eta, gamma, lambda, threshold, width
+    mass = np.asarray(result.debug["posteriors"]).sum(
+        axis=(names.index("eta"), names.index("gamma"))
+    )
+    values = result.parameter_values
+    return Posterior(
+        values["threshold"],
+        values["width"],
+        values["lambda"],
+        np.moveaxis(mass, 0, 2),
+        guess_rate,
+        counts.levels,
+    )
+
+
 def _within_levels(threshold: Estimate, counts: LevelCounts) -> tuple[Estimate, str]:
     """Replace by infinity what lies beyond the levels tested: there the prior speaks, not data."""
-    lowest, highest = min(counts.levels), max(counts.levels)
-
-    def bounded(value: float) -> float:
-        return -np.inf if value < lowest else np.inf if value > highest else value
-
-    found = Estimate(bounded(threshold.value), bounded(threshold.low), bounded(threshold.high))
-    reached = {-np.inf: "below", np.inf: "above"}.get(found.value, "within")
-    return found, reached
+    value, reached = place(threshold.value, counts.levels)
+    low, high = (place(end, counts.levels)[0] for end in (threshold.low, threshold.high))
+    return Estimate(value, low, high), reached
