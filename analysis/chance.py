@@ -83,8 +83,7 @@ def largest_level_at_chance(
     levels, correct, total, guess_rate
         As in `analysis.fit_threshold`.
     alpha
-        The significance of each level's one-sided test, above 0 and below 1; levels are tested
-        one by one, without correction for their number.
+        The significance of each level's one-sided test, above 0 and below 1.
 
     Raises
     ------
@@ -97,6 +96,10 @@ def largest_level_at_chance(
     is exact: if everybody guesses, answers are independent however many come from one participant.
     `largest_level_at_chance_by_participant` asks instead whether the mean participant is better
     than chance when participants differ.
+
+    That all larger levels are better than chance needs no correction for their number. They are a
+    fixed sequence, from the largest down to the first that cannot be told from chance, and such a
+    sequence errs with a probability of at most alpha (Maurer, Hothorn and Lehmacher 1995).
 
     Examples
     --------
@@ -171,8 +174,8 @@ def _mean_above(correct: Matrix, total: Matrix, guess_rate: float) -> float:
     rate = correct.sum() / total.sum()
     residuals = (correct - rate * total)[answered]
     error = np.sqrt((residuals**2).sum() * participants / (participants - 1)) / total.sum()
-    if error == 0:
-        return 0.0 if rate > guess_rate else 1.0
+    if error == 0:  # alike: each counts as one who could as well be at either end
+        return float((guess_rate / rate) ** participants) if rate > guess_rate else 1.0
     return float(stats.t.sf((rate - guess_rate) / error, participants - 1))
 
 

@@ -9,6 +9,8 @@ import pandas as pd
 from algorithms.errors import InputError
 from analysis.bootstrap import RESAMPLES, rate_intervals, sum_by_participant
 from analysis.estimates import seed_of, software_version
+from analysis.multiplicity import holm
+from analysis.rate_tests import rates_above
 
 
 @dataclass(frozen=True)
@@ -19,7 +21,8 @@ class HitRates:
     ----------
     table
         One row a cell: the columns `by`, `hits`, `answers`, `rate`, `low`, `high`, `interval`
-        (how it was made).
+        (how it was made); `p_value` of "no better than guessing" (one-sided), `p_holm`
+        (corrected for the number of cells), `test`.
     by
         The columns that make the cells.
     guess_rate
@@ -38,7 +41,7 @@ class HitRates:
     resamples: int
     seed: int | None
     version: str
-    method: str = "share of right answers, percentile bootstrap over participants"
+    method: str = "share of right answers, expanded percentile bootstrap over participants"
 
     def to_frame(self) -> pd.DataFrame:
         """Return the table."""
@@ -70,13 +73,22 @@ def hit_rates(
     Raises
     ------
     InputError
-        If no trial has a right answer to compare with.
+        If no trial has a right answer to compare with, or an argument is impossible.
+
+    Notes
+    -----
+    Where each participant answered a cell once, answers are independent: exact binomial test and
+    Clopper and Pearson's interval. Else participants are the sample: bootstrap interval and a test
+    over them (`analysis.rate_tests`).
     """
+    if not 0 <= guess_rate < 1:
+        raise InputError(f"guess_rate: {guess_rate} given, 0 or more and below 1 accepted")
     scored = table[table["correct"].notna()]
     if scored.empty:
         raise InputError("table: no answered trial that has a right answer")
     sums = sum_by_participant(scored, "correct", by)
     low, high, intervals = rate_intervals(sums, generator, resamples)
+    p_values, tests = rates_above(sums, guess_rate)
     rates = sums.cells.assign(
         hits=sums.totals.sum(axis=0).astype(int),
         answers=sums.counts.sum(axis=0).astype(int),
@@ -84,6 +96,9 @@ def hit_rates(
         low=low,
         high=high,
         interval=intervals,
+        p_value=p_values,
+        p_holm=holm(p_values),
+        test=tests,
     )
     return HitRates(
         rates,

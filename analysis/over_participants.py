@@ -8,13 +8,15 @@ from scipy.special import ndtr
 from algorithms.errors import InputError
 from analysis.bootstrap import Matrix
 from analysis.estimates import CONFIDENCE, Estimate
-from analysis.sigmoid import WIDTH_IN_SIGMAS
+from analysis.sigmoid import WIDTH_IN_SIGMAS, distance_to
 from analysis.thresholds import ThresholdFit
 
 _LARGEST_CONDITION = 1e12
 
 
-def participant_interval(fit: ThresholdFit, correct: ArrayLike, total: ArrayLike) -> Estimate:
+def participant_interval(
+    fit: ThresholdFit, correct: ArrayLike, total: ArrayLike, share: float | None = None
+) -> Estimate:
     """Return a fit's threshold with a 95 % interval that allows for differing participants.
 
     Parameters
@@ -23,6 +25,9 @@ def participant_interval(fit: ThresholdFit, correct: ArrayLike, total: ArrayLike
         The function fitted to the sums over participants.
     correct, total
         Right answers and all answers, shape (participants, levels), the levels being the fit's.
+    share
+        The share of right answers at the threshold, above the guess rate and below 1, or None for
+        the mid-point.
 
     Returns
     -------
@@ -33,7 +38,7 @@ def participant_interval(fit: ThresholdFit, correct: ArrayLike, total: ArrayLike
     Raises
     ------
     InputError
-        If the counts are not those that were fitted.
+        If the counts are not those that were fitted, or the share is impossible.
 
     Notes
     -----
@@ -49,9 +54,10 @@ def participant_interval(fit: ThresholdFit, correct: ArrayLike, total: ArrayLike
             f"correct, total: shapes {correct.shape} and {total.shape} given, (participants,"
             f" {len(fit.levels)}) with the sums that were fitted accepted"
         )
-    threshold, participants = fit.threshold.value, len(correct)
+    participants = len(correct)
+    threshold, direction = _threshold(fit, share)
     none = Estimate(threshold, np.nan, np.nan)
-    if participants < 2 or fit.reached != "within":
+    if participants < 2 or fit.reached != "within" or not np.isfinite(threshold):
         return none
     rate, slopes = _rate_and_slopes(fit)
     weights = 1 / (rate * (1 - rate))
@@ -62,8 +68,24 @@ def participant_interval(fit: ThresholdFit, correct: ArrayLike, total: ArrayLike
         return none
     bread = np.linalg.inv(information)
     covariance = bread @ (scores.T @ scores) @ bread * participants / (participants - 1)
-    reach = stats.t.ppf((1 + CONFIDENCE) / 2, participants - 1) * np.sqrt(covariance[0, 0])
+    error = np.sqrt(direction @ covariance @ direction)
+    reach = stats.t.ppf((1 + CONFIDENCE) / 2, participants - 1) * error
     return Estimate(threshold, float(threshold - reach), float(threshold + reach))
+
+
+def _threshold(fit: ThresholdFit, share: float | None) -> tuple[float, Matrix]:
+    """Return a threshold and its derivatives by mid-point, width and lapse rate."""
+    if share is None:
+        return fit.threshold.value, np.array([1.0, 0.0, 0.0])
+    threshold = fit.threshold_at(share).threshold.value
+    width, lapse_rate = fit.width.value, fit.lapse_rate.value
+    far = float(distance_to(share, width, fit.guess_rate, lapse_rate))
+    if not np.isfinite(far):
+        return threshold, np.array([1.0, 0.0, 0.0])
+    span = 1 - fit.guess_rate - lapse_rate
+    sigma = width / WIDTH_IN_SIGMAS
+    by_share = sigma / stats.norm.pdf(far / sigma)  # of the sigmoid's inverse
+    return threshold, np.array([1.0, far / width, by_share * (share - fit.guess_rate) / span**2])
 
 
 def _rate_and_slopes(fit: ThresholdFit) -> tuple[Matrix, Matrix]:

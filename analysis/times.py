@@ -38,7 +38,7 @@ class AnswerTimes:
     resamples: int
     seed: int | None
     version: str
-    method: str = "geometric mean, percentile bootstrap over participants"
+    method: str = "geometric mean, expanded percentile bootstrap over participants"
 
     def to_frame(self) -> pd.DataFrame:
         """Return the table."""

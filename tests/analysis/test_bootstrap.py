@@ -4,7 +4,15 @@ import pytest
 from scipy import stats
 
 from algorithms.errors import InputError
-from analysis.bootstrap import bootstrap_means, rate_intervals, sum_by_participant
+from analysis.bootstrap import (
+    EXACT,
+    EXACT_OVER_PARTICIPANTS,
+    bootstrap_means,
+    expanded_p_value,
+    expanded_percentiles,
+    rate_intervals,
+    sum_by_participant,
+)
 
 
 def test_interval_is_binomial_for_independent_answers() -> None:
@@ -50,16 +58,48 @@ def test_sums_follow_participants_and_leave_out_missing_values() -> None:
     np.testing.assert_array_equal(sums.means, [1, 0.5])
 
 
-@pytest.mark.parametrize("right", [0, 4])
-def test_answers_all_alike_have_the_exact_interval(right: int) -> None:
-    # Published method: for 0 of 12, Clopper and Pearson's upper end is 1 - 0.025 ** (1 / 12).
-    table = pd.DataFrame({"participant": list("abc") * 4, "cell": 1, "correct": right > 0})
+@pytest.mark.parametrize("right", [False, True])
+def test_answers_all_alike_have_the_exact_interval_over_participants(*, right: bool) -> None:
+    # Published method: for 0 of m, Clopper and Pearson's upper end is 1 - 0.025 ** (1 / m). Answers
+    # of one participant are no independent evidence, so m is 3 here and not 12.
+    table = pd.DataFrame({"participant": list("abc") * 4, "cell": 1, "correct": right})
     sums = sum_by_participant(table, "correct", ["cell"])
     low, high, methods = rate_intervals(sums, np.random.default_rng(1))
-    reach = 1 - 0.025 ** (1 / 12)
-    expected = (1 - reach, 1) if right else (0, reach)
-    np.testing.assert_allclose((low[0], high[0]), expected)
-    assert methods == ["Clopper-Pearson"]
+    reach = 1 - 0.025 ** (1 / 3)
+    np.testing.assert_allclose((low[0], high[0]), (1 - reach, 1) if right else (0, reach))
+    assert methods == [EXACT_OVER_PARTICIPANTS]
+
+
+@pytest.mark.parametrize("right", [0, 3, 12])
+def test_one_answer_a_participant_has_the_exact_interval(right: int) -> None:
+    # Another implementation: scipy's, over answers that are independent.
+    table = pd.DataFrame(
+        {"participant": range(12), "cell": 1, "correct": [k < right for k in range(12)]}
+    )
+    low, high, methods = rate_intervals(
+        sum_by_participant(table, "correct", ["cell"]), np.random.default_rng(1)
+    )
+    expected = stats.binomtest(right, 12).proportion_ci(0.95)
+    assert (low[0], high[0]) == (expected.low, expected.high)
+    assert methods == [EXACT]
+
+
+def test_expanded_interval_has_the_length_of_t() -> None:
+    # Theory (Hesterberg 2015): of a mean it is the t interval, as long as resamples are normal.
+    generator = np.random.default_rng(3)
+    values = generator.normal(size=(12, 1))
+    low, high = bootstrap_means(values, np.ones((12, 1)), generator, resamples=200_000)
+    reach = stats.t.ppf(0.975, 11) * values.std(ddof=1) / np.sqrt(12)
+    assert high[0] - low[0] == pytest.approx(2 * reach, rel=0.03)
+
+
+@pytest.mark.parametrize("participants", [4, 12, 300])
+def test_expanded_p_value_agrees_with_the_interval(participants: int) -> None:
+    # Property: at the interval's own tail the p-value is 5 %; a resample in the middle gives 1.
+    tail = expanded_percentiles(participants)[0] / 100
+    assert expanded_p_value(tail, participants) == pytest.approx(0.05)
+    assert expanded_p_value(0.5, participants) == pytest.approx(1)
+    assert expanded_percentiles(10**6) == pytest.approx((2.5, 97.5), abs=1e-3)
 
 
 def test_refuses() -> None:

@@ -55,12 +55,26 @@ def test_participant_test_allows_for_differing_participants() -> None:
     assert over_participants.at_largest_level
 
 
-def test_participants_alike_and_all_right_are_above_chance() -> None:
+def test_participants_alike_are_judged_by_their_number() -> None:
+    # Theory: if a participant is either always right or never, three of them are right by chance
+    # once in 8 cubed. Their t has no spread to go by and would be infinite.
     limit = largest_level_at_chance_by_participant(
-        [1, 2], np.full((3, 2), 4), np.full((3, 2), 4), 0.5
+        [1, 2], np.full((3, 2), 4), np.full((3, 2), 4), 1 / 8
     )
     assert np.isnan(limit.level)
-    assert limit.p_values == (0.0, 0.0)
+    np.testing.assert_allclose(limit.p_values, (1 / 8) ** 3)
+
+
+def test_levels_above_the_limit_are_a_fixed_sequence_that_keeps_alpha() -> None:
+    # Theory (Maurer et al. 1995): where three levels of four are at chance, it is said of any of
+    # these three that it is above at most once in 20 times, without a correction.
+    generator = np.random.default_rng(3)
+    correct = generator.binomial(40, (1 / 8, 1 / 8, 1 / 8, 0.9), size=(1000, 4))
+    wrong = sum(
+        not largest_level_at_chance(LEVELS, row, [40] * 4, GUESS_RATE).level >= 30
+        for row in correct
+    )
+    assert wrong / 1000 < 0.05 + 3 * np.sqrt(0.05 * 0.95 / 1000)
 
 
 def test_table_names_test_and_definition() -> None:

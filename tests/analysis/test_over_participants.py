@@ -5,6 +5,7 @@ from scipy import optimize, stats
 from scipy.special import ndtr, ndtri
 
 from algorithms.errors import InputError
+from analysis.observer_bootstrap import fit_observers
 from analysis.over_participants import participant_interval
 from analysis.thresholds import ThresholdFit, fit_threshold
 
@@ -66,6 +67,19 @@ def test_no_interval_where_there_can_be_none() -> None:
     assert np.isnan(participant_interval(fit(one), one, np.full(one.shape, ANSWERS)).low)
     none = np.zeros((3, 9), int)
     assert np.isnan(participant_interval(fit(none), none, np.full(none.shape, ANSWERS)).low)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.8])
+def test_interval_at_a_stated_share_agrees_with_the_observer_bootstrap(share: float) -> None:
+    # Another method: maximum likelihood of resampled participants.
+    correct = people(60, 10.0, 6)
+    total = np.full(correct.shape, ANSWERS)
+    interval = participant_interval(fit(correct), correct, total, share)
+    drawn = fit_observers(LEVELS, correct, total, GUESS_RATE, np.random.default_rng(1))
+    other = drawn.threshold_at(share).threshold
+    length = other.high - other.low
+    assert interval.low == pytest.approx(other.low, abs=0.2 * length)
+    assert interval.high == pytest.approx(other.high, abs=0.2 * length)
 
 
 def test_refuses_counts_that_were_not_fitted() -> None:

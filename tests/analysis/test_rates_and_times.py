@@ -4,7 +4,10 @@ import pytest
 from scipy import stats
 
 from algorithms.errors import InputError
+from analysis.bootstrap import Sums
 from analysis.hits import hit_rates
+from analysis.multiplicity import holm
+from analysis.rate_tests import rates_above
 from analysis.salience import object_salience
 from analysis.times import answer_times
 from analysis.trials import trial_table
@@ -50,6 +53,42 @@ def test_hit_rate_intervals_are_binomial_for_independent_answers(table: pd.DataF
     np.testing.assert_allclose(rates["high"] - rates["low"], length, rtol=0.2)
 
 
+def test_independent_answers_have_the_exact_test(table: pd.DataFrame) -> None:
+    # Another implementation: scipy's exact test, where each participant answered a cell once.
+    rates = hit_rates(
+        table, ("level", "placement", "material"), 1 / 8, np.random.default_rng(1)
+    ).table
+    expected = stats.binom.sf(rates["hits"] - 1, rates["answers"], 1 / 8)
+    np.testing.assert_allclose(rates["p_value"], expected)
+    np.testing.assert_allclose(rates["p_holm"], holm(rates["p_value"]))
+    assert set(rates["test"]) == {"exact binomial"}
+    assert set(rates["interval"]) == {"Clopper-Pearson"}
+
+
+def test_several_answers_of_a_participant_have_a_test_over_participants() -> None:
+    # Property: two experts among guessers are evidence over answers, less so over participants.
+    right = np.array([[20, 20]] * 2 + [[2, 3]] * 9 + [[3, 2]] * 9)
+    rows = pd.DataFrame(
+        [
+            {"participant": who, "level": level, "correct": k < right[who, level]}
+            for who in range(20)
+            for level in (0, 1)
+            for k in range(20)
+        ]
+    )
+    rates = hit_rates(rows, ("level",), 1 / 8, np.random.default_rng(1)).table
+    assert set(rates["test"]) == {"score test over participants"}
+    assert (rates["p_value"] > stats.binom.sf(rates["hits"] - 1, 400, 1 / 8) * 100).all()
+
+
+def test_hit_rates_keep_the_level_of_their_test_where_everybody_guesses() -> None:
+    # Theory: at most 5 % false alarms of 1,000, with 15 participants who answer 6 times each.
+    right = np.random.default_rng(6).binomial(6, 1 / 8, size=(15, 1000)).astype(float)
+    cells = pd.DataFrame({"cell": range(1000)})
+    p_values, _ = rates_above(Sums(cells, right, np.full(right.shape, 6.0)), 1 / 8)
+    assert np.mean(np.array(p_values) < 0.05) < 0.05 + 3 * np.sqrt(0.05 * 0.95 / 1000)
+
+
 def test_controls_are_in_no_hit_rate(table: pd.DataFrame) -> None:
     rates = hit_rates(table, ("level",), 1 / 8, np.random.default_rng(1))
     assert 0 not in set(rates.table["level"])
@@ -79,6 +118,37 @@ def test_salient_choices_fall_as_the_target_shows(
     expected = (1 - noticed) * 4 / 11
     error = np.sqrt(expected * (1 - expected) / answers["answers"])
     assert (np.abs(answers["share"] - expected) < 4 * error + 1e-3).all()
+
+
+def test_salience_trend_tells_noticing_from_guessing(
+    biased: pd.DataFrame, drawn_set: StimulusSet
+) -> None:
+    # Theory: the observer names what is noticed, else guesses by salience. So the salient object's
+    # share of answers falls with the level, and its share of misses does not.
+    trend = object_salience(biased, drawn_set.objects, (), np.random.default_rng(1)).trend
+    answers, misses = (
+        trend[trend["measure"] == f"share of {kind}"] for kind in ("answers", "misses")
+    )
+    assert answers["ratio_high"].item() < 1
+    assert answers["p_holm"].item() < 0.001
+    assert misses["ratio_low"].item() < 1 < misses["ratio_high"].item()
+
+
+def test_only_the_salient_object_is_chosen_above_chance(
+    biased: pd.DataFrame, drawn_set: StimulusSet
+) -> None:
+    choices = object_salience(biased, drawn_set.objects, (), np.random.default_rng(1)).choices
+    above = choices[choices["p_holm"] < 0.05]
+    assert above["object"].tolist() == ["e"]
+
+
+def test_salience_without_enough_answers_for_a_trend_says_so(
+    biased: pd.DataFrame, drawn_set: StimulusSet
+) -> None:
+    one = biased[biased["participant"] == biased["participant"].iloc[0]]
+    trend = object_salience(one, drawn_set.objects, (), np.random.default_rng(1)).trend
+    assert trend["p_value"].isna().all()
+    assert trend["note"].str.len().min() > 0
 
 
 def test_salience_splits_by_condition(biased: pd.DataFrame, drawn_set: StimulusSet) -> None:
@@ -122,6 +192,8 @@ def test_refuses_what_it_cannot_count(table: pd.DataFrame, drawn_set: StimulusSe
     generator = np.random.default_rng(1)
     with pytest.raises(InputError, match="no answered trial that has a right answer"):
         hit_rates(table[table["control"]], ("level",), 1 / 8, generator)
+    with pytest.raises(InputError, match="guess_rate: 1 given, 0 or more and below 1"):
+        hit_rates(table, ("level",), 1, generator)
     with pytest.raises(InputError, match="no answered control trial"):
         object_salience(table[~table["control"]], drawn_set.objects, (), generator)
     with pytest.raises(InputError, match="no answer with a time"):
