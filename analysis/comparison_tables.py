@@ -79,15 +79,17 @@ def judgement_table(responses: pd.DataFrame, study: Study, stimuli: StimulusSet)
     pandas.DataFrame
         `participant`, `session`, `trial_index`, `stimulus`, the factors of `stimuli.conditions`,
         `item`, `answer` (1 for yes, 0 for no; missing where no answer was given), `truth` (the
-        stimulus' right answer in the manifest, 1 or 0; missing where there is none),
-        `reaction_time_s`, `simulated`, `pilot`.
+        stimulus' right answer in the manifest, 1 or 0; missing where there is none, or where the
+        set's right answers are others than these), `reaction_time_s`, `simulated`, `pilot`.
     """
     table, items = _answered(responses, study, stimuli, "yes-no")
     table["item"] = [shown[0] for shown in items]
     table["stimulus"] = [shown[0] for shown in _main(responses)["stimuli"]]
     truth = {stimulus.id: stimulus.answer for stimulus in stimuli.stimuli}
     told = pd.Series([truth[name] for name in table["stimulus"]], dtype=object)
-    table["truth"] = told.astype("Int64")
+    # Other right answers than yes and no, such as labels of regions, belong to another task.
+    judged = told.dropna().isin([0, 1]).all()
+    table["truth"] = (told if judged else told.where(told.isna())).astype("Int64")
     table["answer"] = table["answer"].astype("Int64")
     return table
 

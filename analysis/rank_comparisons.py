@@ -120,7 +120,7 @@ def critical_difference(participants: int, items: int, alpha: float = ALPHA) -> 
 
 def p_nemenyi(ranks: Matrix) -> Matrix:
     """Return Nemenyi's p-values, shape (k, k), of ranks (n, k) with ties averaged."""
-    from scikit_posthocs import posthoc_nemenyi_friedman  # type: ignore[import-untyped]  # seconds
+    from scikit_posthocs import posthoc_nemenyi_friedman  # seconds
 
     return np.asarray(posthoc_nemenyi_friedman(ranks), dtype=float)
 

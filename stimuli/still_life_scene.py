@@ -47,13 +47,13 @@ _SKY_COLOUR: Final = (0.86, 0.95, 1.1)
 LIGHTINGS: Final[Mapping[str, Light]] = {
     "original": Light(143, 33, KEY_INTENSITY),
     "front": Light(78, 66, KEY_INTENSITY),
-    "back": Light(62, -24, 1.6 * KEY_INTENSITY),
+    "back": Light(62, -24, KEY_INTENSITY),
     "left": Light(172, 14, KEY_INTENSITY),
     "right": Light(24, 26, KEY_INTENSITY),
     "above": Light(90, 8, KEY_INTENSITY),
 }
-"""The key light of each lighting, in the frame of the camera. The light from behind is stronger, as
-less of it is reflected towards the viewer; it passes above the wall, which is low."""
+"""The key light of each lighting, in the frame of the camera; those from behind pass above the
+wall."""
 
 _WALL_Z: Final = -3.4
 _WALL_HEIGHT: Final = 3.9

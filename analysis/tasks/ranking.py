@@ -208,7 +208,7 @@ def _about(who: str, group: RankingGroup) -> list[str]:
         f"{row['item']} {row['mean']:.2f} [{row['low']:.2f}, {row['high']:.2f}]"
         for row in summary.table.to_dict("records")
     )
-    groups = "; ".join(" = ".join(items) for items in summary.comparisons.groups)
+    groups = "; ".join(f"{{{', '.join(items)}}}" for items in summary.comparisons.groups)
     return [
         f"{who} rank ({group.label}), mean rank with 95 % interval, 1 is best: {order}.",
         f"Their orders agree with Kendall's W = {concordance.w:.3f} (p"

@@ -251,7 +251,7 @@ def _about_groups(results: PairedAnalysis) -> list[str]:
         return [f"There are no score groups: {results.left_out['groups']}."]
     if groups.critical is None:
         return [groups.remark]
-    listed = "; ".join(" = ".join(group) for group in groups.groups)
+    listed = "; ".join(f"{{{', '.join(group)}}}" for group in groups.groups)
     return [
         f"Scores that differ by {groups.critical} or more of {groups.largest_difference} differ"
         f" significantly (alpha {groups.alpha:g}); the groups that do not are: {listed}."

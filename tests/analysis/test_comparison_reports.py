@@ -21,6 +21,7 @@ from experiments.store import Store
 from experiments.study import Study, Task
 from stimuli.manifest import StimulusSet
 from tests.comparison_studies import ITEMS, comparison_study
+from tests.drawn_set import draw_set
 
 QUALITIES = {"front": 0.0, "back": 1.0, "front-back": -0.4}
 
@@ -111,6 +112,18 @@ def test_rankings_are_ordered_as_the_observers_see_them(
     assert set(tests["test"]) == {"material diffuse", "material shiny"}
     assert not re.search(r"\b(nan|inf|None)\b", text)
     assert differences(tmp_path / "answers.sqlite", report) == []
+
+
+def test_one_ranking_a_condition_has_a_scale(study: Study, tmp_path: Path) -> None:
+    (tmp_path / "set").mkdir()
+    stimuli = draw_set(tmp_path / "set", levels_deg=(30,))
+    report = report_of("ranking", study, stimuli, tmp_path, participants=12)
+    worths = pd.read_csv(report / "tables" / "plackett-luce.csv")
+    assert set(worths["group"]) == {"material diffuse", "material shiny"}
+    assert worths.groupby("group")["first"].sum().tolist() == pytest.approx([1, 1])
+    page = (report / "report.html").read_text()
+    assert "First (Plackett-Luce)" in page
+    assert not re.search(r"\b(nan|inf|None)\b", visible_text(page))
 
 
 def test_judgements_tell_photographs_from_the_rest(
