@@ -90,7 +90,8 @@ def hit_effects(table: pd.DataFrame, factors: Sequence[str]) -> Effects:
     covariance is robust to either. The difference of hit rates is the mean over the answers of
     what the model expects if all had the one value or all the other.
     """
-    scored = table[table["correct"].notna()] if "correct" in table else table.iloc[:0]
+    _check_columns(table, ("participant", "correct"))
+    scored = table[table["correct"].notna()]
     if scored.empty:
         raise InputError("table: no answered trial that has a right answer")
     return odds_effects(scored, "correct", factors, HIT_RATE)
@@ -117,6 +118,7 @@ def odds_effects(
     InputError
         As `hit_effects`.
     """
+    _check_columns(table, ("participant", response))
     true = table[response].astype(float)
     if true.nunique() < 2:
         raise InputError(f"table: all {len(true)} answers are alike in {response}: no effect shows")
@@ -141,13 +143,22 @@ def time_effects(table: pd.DataFrame, factors: Sequence[str]) -> Effects:
     Linear regression of the time's logarithm, otherwise as `hit_effects`: effects are ratios of
     geometric means.
     """
+    _check_columns(table, ("participant", "answer", "reaction_time_s"))
     timed = table[table["answer"].notna() & table["reaction_time_s"].notna()]
     if timed.empty:
         raise InputError("table: no answer with a time")
+    if (timed["reaction_time_s"] <= 0).any():
+        raise InputError("reaction_time_s: 0 or less given, more than 0 accepted")
     logarithms = timed["reaction_time_s"].astype(float).map(np.log)
     if logarithms.nunique() < 2:
         raise InputError(f"table: all {len(timed)} answers took equally long: no effect shows")
     return _effects(TIME, timed.assign(log_time=logarithms), factors, "log_time", "normal")
+
+
+def _check_columns(table: pd.DataFrame, names: Sequence[str]) -> None:
+    for name in names:
+        if name not in table.columns:
+            raise InputError(f"table: the column {name} is missing")
 
 
 def _effects(

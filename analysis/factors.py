@@ -123,6 +123,8 @@ def _check_factors(table: pd.DataFrame, names: Sequence[str]) -> None:
     for name in names:
         if name not in table.columns:
             raise InputError(f"factors: {name!r} given, columns of the table accepted")
+        if is_numeric(table[name]) and np.isinf(table[name].to_numpy(float, na_value=np.nan)).any():
+            raise InputError(f"factors: {name} has infinite values, finite ones accepted")
 
 
 def _check_participants(rows: pd.DataFrame) -> None:
