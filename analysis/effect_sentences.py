@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import pandas as pd
 
 from analysis.effects import TIME, Effects
+from analysis.naming import p_text
 
 _ALPHA = 0.05
 
@@ -47,15 +48,6 @@ def effect_sentences(
         name = words.get(factor, factor.replace("_", " "))
         sentences.append(f"{effects.quantity.capitalize()} by {name}: {why}.")
     return sentences
-
-
-def p_text(p_value: float) -> str:
-    """Return a p-value to three decimals.
-
-    >>> p_text(0.0123), p_text(2e-5)
-    ('= 0.012', '< 0.001')
-    """
-    return "< 0.001" if p_value < 0.001 else f"= {p_value:.3f}"
 
 
 def _contrast(effects: Effects, row: pd.Series, unit: str) -> str:

@@ -13,8 +13,8 @@ def p_text(p_value: float) -> str:
     """Return a p-value as it stands in a sentence.
 
     >>> p_text(0.0321), p_text(0.00001), p_text(1.0)
-    ('= 0.032', '< 0.001', '= 1')
+    ('= 0.032', '< 0.001', '= 1.000')
     """
     if p_value < 0.001:
         return "< 0.001"
-    return f"= {p_value:.2g}"
+    return f"= {p_value:.3f}"
