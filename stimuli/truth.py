@@ -162,12 +162,13 @@ def _regions(
     if unknown := numbers.keys() - shapes.keys():
         raise InputError(f"objects: shape {min(unknown)!r} is not in the scene")
     regions = np.zeros(distance.shape, np.uint8)
-    for name, number in numbers.items():
-        alone = _look(mi.load_dict({"type": "scene", name: shapes[name]}), camera)
+    for number in sorted(set(numbers.values())):
+        parts = {name: shapes[name] for name in numbers if numbers[name] == number}
+        alone = _look(mi.load_dict({"type": "scene", **parts}), camera)
         there = np.any(alone[..., 3:6], axis=-1)
         away = np.where(there, camera.distance(alone[..., :3]), np.inf)
         seen = there & (away <= distance * (1 + _SAME_PLACE))
         if not seen.any():
-            raise InputError(f"objects: {name!r} lies outside the view or is hidden")
+            raise InputError(f"objects: {min(parts)!r} lies outside the view or is hidden")
         regions[seen] = number
     return regions
