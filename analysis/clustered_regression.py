@@ -7,6 +7,7 @@ is too small; here it is the bias-reduced one of Bell and McCaffrey (2002), and 
 and F with the degrees of freedom that the design leaves (Pustejovsky and Tipton 2018).
 """
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -28,6 +29,9 @@ METHOD = (
 _LARGEST_COEFFICIENT = 15.0  # of columns from 0 to 1; a larger one grows without end
 _MOST_STEPS = 100
 _FLAT = 1e-9  # gain of the logarithm of the likelihood in the last step
+
+
+_NO_VARIANCE = 1e-14
 
 
 @dataclass(frozen=True)
@@ -89,7 +93,9 @@ class ClusteredRegression:
         slopes
             Its derivatives by the coefficients, shape (p,); for a coefficient itself a unit vector.
         """
-        error = float(np.sqrt(slopes @ self.covariance @ slopes))
+        variance = float(slopes @ self.covariance @ slopes)
+        # With as few participants as coefficients the covariance may say nothing of a quantity.
+        error = math.sqrt(variance) if variance > _NO_VARIANCE else math.nan
         df = self._degrees_of_freedom(slopes[None])
         reach = float(stats.t.ppf((1 + CONFIDENCE) / 2, df)) * error
         return Estimate(value, value - reach, value + reach), df

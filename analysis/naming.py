@@ -1,5 +1,7 @@
 """What things are called in sentences, tables and figures."""
 
+import math
+
 from experiments.study import Study
 
 
@@ -15,6 +17,8 @@ def p_text(p_value: float) -> str:
     >>> p_text(0.0321), p_text(0.00001), p_text(1.0)
     ('= 0.032', '< 0.001', '= 1.000')
     """
+    if math.isnan(p_value):
+        return "none"
     if p_value < 0.001:
         return "< 0.001"
     return f"= {p_value:.3f}"

@@ -63,7 +63,16 @@ def _interval_of_two_decimals(estimate: Estimate) -> str:
     return f"[{estimate.low:.2f}, {estimate.high:.2f}]"
 
 
+def _decimals(value: float, places: int, sign: str = "") -> str:
+    if math.isnan(value):
+        return "none"
+    if math.isinf(value):
+        return ">" if value > 0 else "<"
+    return f"{value:{sign}.{places}f}"
+
+
 _TEMPLATES.filters |= {
+    "decimals": _decimals,
     "interval2": _interval_of_two_decimals,
     "p": p_text,
     "value": _value,
