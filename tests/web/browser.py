@@ -12,6 +12,7 @@ from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
 from experiments.store import Store
 from experiments.study import Study
+from experiments.trials import Answer
 from stimuli.manifest import StimulusSet
 
 # No GPU and no user namespaces are needed, and nothing is asked of other machines.
@@ -172,6 +173,6 @@ def changed(study: Study, **parts: object) -> Study:
     return Study.model_validate({**study.model_dump(), **parts})
 
 
-def stored(store: Store) -> dict[int, tuple[int | None, str]]:
+def stored(store: Store) -> dict[int, tuple[Answer, str]]:
     """Return the stored answers as `Participant.given` has them."""
     return {row.trial_index: (row.answer, row.input) for row in store.responses()}

@@ -90,7 +90,7 @@ def take_everything(visitor: Visitor, study: Study, stimuli: StimulusSet) -> Vis
     for trial in planned:
         truth = stimuli[trial.stimuli[0]].answer or 1
         assert isinstance(truth, int)
-        wrong = truth % study.stimuli.choices + 1
+        wrong = truth % study.choices + 1
         visitor.answer(trial.index, truth if trial.index % 2 else wrong)
     visitor.answer(planned[-1].index, 8, id="another")
     visitor.post("/events", {"kind": "blur"})

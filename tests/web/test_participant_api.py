@@ -195,7 +195,7 @@ def test_practice_feedback_comes_with_the_stored_answer(
     trial = planned_trials(study, drawn_set, Assignment(visitor.number))[0]
     truth = drawn_set[trial.stimuli[0]].answer
     assert isinstance(truth, int)
-    wrong = truth % study.stimuli.choices + 1
+    wrong = truth % study.choices + 1
     assert visitor.answer(0, wrong).json()["feedback"] == {"correct": False, "answer": truth}
     assert visitor.answer(1).json()["feedback"] is not None
     resumed = visitor.get().json()
