@@ -27,14 +27,14 @@ def data(study: Study, drawn_set: StimulusSet, tmp_path_factory: pytest.TempPath
 
 
 def test_prints_the_verdict_and_where_the_report_is(data: Path, tmp_path: Path) -> None:
-    result = CliRunner().invoke(app, [str(data), str(tmp_path / "out")])
+    result = CliRunner().invoke(app, [str(data), "--out", str(tmp_path / "out")])
     assert result.exit_code == 0
     assert result.output.startswith("Simulated observers, not people,")
     assert f"wrote {tmp_path / 'out' / 'report.html'}" in result.output
 
 
 def test_json_holds_the_results_and_the_seed(data: Path, tmp_path: Path) -> None:
-    result = CliRunner().invoke(app, [str(data), str(tmp_path), "--json", "--seed", "7"])
+    result = CliRunner().invoke(app, [str(data), "--out", str(tmp_path), "--json", "--seed", "7"])
     found = json.loads(result.output)
     assert found["report"] == str(tmp_path / "report.html")
     assert found["seed"] == 7
@@ -47,7 +47,7 @@ def test_default_seed_is_the_same_in_python() -> None:
 
 
 def test_asking_for_people_where_there_are_none(data: Path, tmp_path: Path) -> None:
-    result = CliRunner().invoke(app, [str(data), str(tmp_path / "out"), "--people"])
+    result = CliRunner().invoke(app, [str(data), "--out", str(tmp_path / "out"), "--people"])
     assert isinstance(result.exception, InputError)
     assert str(result.exception).startswith("nothing to analyse yet: no session of people")
     assert not (tmp_path / "out").exists()
