@@ -67,7 +67,7 @@ def test_published_limit_is_for_shares_not_for_their_difference() -> None:
         (15, 60, 0.1, "differs", "less often than one half (p < 0.001, exact binomial test)."),
         (560, 1000, 0.1, "differs", "test), although within the margin of 10 percentage points"),
         (201, 400, 0.1, "equivalent", ": within the margin of 10 percentage points around one"),
-        (20, 40, 0.1, "undecided", "neither a difference from one half (p = 1, exact"),
+        (20, 40, 0.1, "undecided", "neither a difference from one half (p = 1.000, exact"),
         (20, 40, None, "undecided", "which does not show that there is none; no margin of"),
     ],
 )
