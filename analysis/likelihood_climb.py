@@ -23,9 +23,9 @@ _TINY = 1e-12  # information where there is none
 _ROUNDING = 1e-13  # of the height
 _SMALLEST_DAMPING, _FIRST_DAMPING, _LARGEST_DAMPING = 1e-7, 1e-3, 1e8
 
-_START_THRESHOLDS = np.linspace(-0.4, 1.4, 28)
+_START_THRESHOLDS = np.linspace(-0.4, 1.4, 19)
 _START_WIDTHS = np.geomspace(0.1, 2.5, 8)
-_START_LAPSE_RATES = (0.005, 0.05, 0.15)
+_START_LAPSE_RATES = (0.005, 0.05, 0.15, 0.4)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,14 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from algorithms.errors import InputError
 from analysis.counts import count_rows
 from analysis.likelihood_climb import Climb, Problem
 from analysis.sigmoid import Floats, distance_to, slope_at_threshold, within_levels
 
 METHOD = "penalised maximum likelihood, cumulative normal, lapse rate penalised as by Beta(1, 10)"
 
-STARTS = 3  # where the climb begins: few answers can make two maxima, a steep and a flat function
+# Widths, from narrow to wide, from which the climb begins: there can be two maxima, such as a steep
+# and a flat function, or a high lapse rate and a threshold far up.
+_STARTS = 3
 _FITS_AT_ONCE = 2_000  # keeps the arrays of a climb in the cache
 
 
@@ -78,11 +79,7 @@ class LikelihoodFits:
 
 
 def maximum_likelihood(
-    levels: ArrayLike,
-    correct: ArrayLike,
-    total: ArrayLike,
-    guess_rate: float,
-    starts: int = STARTS,
+    levels: ArrayLike, correct: ArrayLike, total: ArrayLike, guess_rate: float
 ) -> LikelihoodFits:
     """Fit a psychometric function to each of many data sets.
 
@@ -94,9 +91,6 @@ def maximum_likelihood(
         Right answers and all answers, shape (n, l), whole numbers; 0 answers are allowed.
     guess_rate
         The share of right answers by chance, 0 to 0.5; it is fixed.
-    starts
-        From how many widths, narrow to wide, the climb begins; 1 is enough where data sets are
-        alike, as when one is resampled.
 
     Raises
     ------
@@ -112,12 +106,10 @@ def maximum_likelihood(
     three times the range.
     """
     at, right, answers = count_rows(levels, correct, total, guess_rate)
-    if not 1 <= starts <= STARTS:
-        raise InputError(f"starts: {starts} given, 1 to {STARTS} accepted")
     lowest, span = at[0], at[-1] - at[0]
     scaled = (at - lowest) / span
     parts = [
-        _highest(Problem(scaled, right[some], answers[some], guess_rate), starts)
+        _highest(Problem(scaled, right[some], answers[some], guess_rate))
         for some in np.array_split(np.arange(len(right)), len(right) // _FITS_AT_ONCE + 1)
     ]
     parameters, heights, converged = (np.concatenate(part) for part in zip(*parts, strict=True))
@@ -132,9 +124,9 @@ def maximum_likelihood(
     )
 
 
-def _highest(problem: Problem, starts: int) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+def _highest(problem: Problem) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Climb from each start and keep the highest maximum."""
-    ends = [Climb(problem, start).run() for start in problem.starts(starts)]
+    ends = [Climb(problem, start).run() for start in problem.starts(_STARTS)]
     parameters, heights, converged = (np.stack(some) for some in zip(*ends, strict=True))
     best, rows = np.argmax(heights, axis=0), np.arange(heights.shape[1])
     return parameters[best, rows], heights[best, rows], converged[best, rows]

@@ -142,7 +142,7 @@ def fit_observers(
     chosen = resample(observers, generator, resamples)
     right_sums, sums = right.sum(axis=0), answers.sum(axis=0)
     fit = maximum_likelihood(at, right_sums[None], sums[None], guess_rate)
-    drawn = maximum_likelihood(at, chosen @ right, chosen @ answers, guess_rate, starts=1)
+    drawn = maximum_likelihood(at, chosen @ right, chosen @ answers, guess_rate)
 
     def estimate(name: str) -> Estimate:
         value = float(getattr(fit, name)[0])

@@ -10,7 +10,7 @@ from algorithms.errors import InputError
 from analysis.bootstrap import RESAMPLES, expanded_p_value, resample
 from analysis.counts import count_rows
 from analysis.estimates import Estimate, seed_of, software_version
-from analysis.maximum_likelihood import METHOD, STARTS, maximum_likelihood
+from analysis.maximum_likelihood import METHOD, maximum_likelihood
 from analysis.observer_bootstrap import BOOTSTRAP, check_observers, interval_of
 from analysis.sigmoid import Floats, check_share
 from analysis.thresholds import ThresholdFit
@@ -166,7 +166,6 @@ def threshold_difference(
         [counts.sum(axis=0, keepdims=True) for counts in answers],
         guess_rate,
         correct,
-        STARTS,
     )
     drawn = _thresholds(
         at,
@@ -174,7 +173,6 @@ def threshold_difference(
         [draw @ counts for draw, counts in zip([draws[0], draws[-1]], answers, strict=True)],
         guess_rate,
         correct,
-        starts=1,
     )
     about = _About(
         correct,
@@ -221,12 +219,9 @@ def _thresholds(
     answers: list[Floats],
     guess_rate: float,
     correct: float | None,
-    starts: int,
 ) -> Floats:
     """Return the thresholds of both conditions, shape (2, fits)."""
-    fits = maximum_likelihood(
-        levels, np.concatenate(right), np.concatenate(answers), guess_rate, starts
-    )
+    fits = maximum_likelihood(levels, np.concatenate(right), np.concatenate(answers), guess_rate)
     return fits.thresholds_at(correct).reshape(2, -1)
 
 

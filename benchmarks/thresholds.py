@@ -16,7 +16,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +26,10 @@ import statsmodels.api as sm
 from numpy.typing import NDArray
 from statsmodels.genmod.cov_struct import Exchangeable
 
+from analysis.clustered_regression import Kind, clustered_regression
 from analysis.condition_differences import condition_differences
 from analysis.effects import hit_effects, time_effects
+from analysis.factors import Design, design_of
 from analysis.groups import group_thresholds
 from analysis.hits import hit_rates
 from analysis.maximum_likelihood import maximum_likelihood
@@ -50,11 +52,10 @@ SEED = 2011
 RESAMPLES = 1000
 
 Row = dict[str, float]
+Values = NDArray[np.float64]
 
 
-def observers(
-    number: int, spread: float, generator: np.random.Generator
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def observers(number: int, spread: float, generator: np.random.Generator) -> tuple[Values, Values]:
     """Return the thresholds and the right answers of observers."""
     own = generator.normal(THRESHOLD, spread, (number, 1))
     rates = rate_at(LEVELS, own, WIDTH, GUESS_RATE, LAPSE_RATE)
@@ -71,12 +72,14 @@ def stated_threshold(spread: float) -> float:
     return float(np.interp(STATED, rate_at(at, THRESHOLD, width, GUESS_RATE, LAPSE_RATE), at))
 
 
-def covered(number: int, spread: float, psignifit: bool, repetition: int) -> Row:
+def covered(
+    number: int, spread: float, psignifit: bool, repetition: int, resamples: int = RESAMPLES
+) -> Row:
     """Fit observers once and say which intervals hold the threshold."""
     generator = np.random.default_rng([SEED, repetition])
     _, correct = observers(number, spread, generator)
     total = np.full(correct.shape, float(ANSWERS))
-    found = fit_observers(LEVELS, correct, total, GUESS_RATE, generator, RESAMPLES)
+    found = fit_observers(LEVELS, correct, total, GUESS_RATE, generator, resamples)
     stated, truth = found.threshold_at(STATED).threshold, stated_threshold(spread)
     row = {
         "observer bootstrap": found.threshold.low <= THRESHOLD <= found.threshold.high,
@@ -92,50 +95,86 @@ def covered(number: int, spread: float, psignifit: bool, repetition: int) -> Row
     return {name: float(held) for name, held in row.items()}
 
 
-def study(number: int, generator: np.random.Generator, answers: int = 1) -> pd.DataFrame:
-    """Return answers that depend on the level and on who gave them, and on nothing else."""
+def people(number: int, generator: np.random.Generator, replicates: int = 1) -> pd.DataFrame:
+    """Return the trials of some participants, with what is known of them, without answers."""
     table = pd.MultiIndex.from_product(
-        [range(number), LEVELS, PLACEMENTS, MATERIALS, range(answers)],
+        [range(number), LEVELS, PLACEMENTS, MATERIALS, range(replicates)],
         names=["number", "level", "placement", "material", "replicate"],
     ).to_frame(index=False)
     who = table["number"].to_numpy()
-    # A participant's threshold differs, and differs between placements.
-    own = generator.normal(THRESHOLD, SPREADS["differing"], number)[who]
-    cell = who * 3 + table["placement"].map(PLACEMENTS.index).to_numpy()
-    own = own + generator.normal(0, SPREADS["differing"] / 2, 3 * number)[cell]
-    rates = rate_at(table["level"], own, WIDTH, GUESS_RATE, LAPSE_RATE)
-    speed = generator.normal(2.0, 0.4, number)[who] + generator.normal(0, 0.1, 3 * number)[cell]
     return table.assign(
         participant=table["number"].map("P{:04d}".format),
+        cell=who * len(PLACEMENTS) + table["placement"].map(PLACEMENTS.index).to_numpy(),
         artistic_background=np.where(who < max(2, number // 3), "yes", "no"),
         gender=np.where(who % 2 == 0, "female", "male"),
         age=np.exp(generator.normal(3.4, 0.25, number)).round()[who],
-        correct=generator.binomial(1, rates).astype(bool),
-        answer=1,
-        reaction_time_s=np.exp(speed + generator.normal(0, 0.5, len(table))),
     )
 
 
-FACTORS = ("level", "placement", "material", "artistic_background", "gender", "age")
+def answer(table: pd.DataFrame, generator: np.random.Generator) -> tuple[Values, Values]:
+    """Return right answers and logarithms of times that depend on the level and on who answers.
+
+    Participants differ, and each differs between placements, but not on average.
+    """
+    who, cell = table["number"].to_numpy(), table["cell"].to_numpy()
+    number, cells = int(who.max()) + 1, int(cell.max()) + 1
+    own = generator.normal(THRESHOLD, SPREADS["differing"], number)[who]
+    own = own + generator.normal(0, SPREADS["differing"] / 2, cells)[cell]
+    rates = rate_at(table["level"], own, WIDTH, GUESS_RATE, LAPSE_RATE)
+    speed = generator.normal(2.0, 0.4, number)[who] + generator.normal(0, 0.1, cells)[cell]
+    times = speed + generator.normal(0, 0.5, len(table))
+    return generator.binomial(1, rates).astype(float), times
+
+
+def study(number: int, generator: np.random.Generator, replicates: int = 1) -> pd.DataFrame:
+    """Return the trials of some participants with their answers."""
+    table = people(number, generator, replicates)
+    right, log_time = answer(table, generator)
+    return table.assign(correct=right > 0, answer=1, reaction_time_s=np.exp(log_time))
+
+
+WITHIN = ("level", "placement", "material")
+BETWEEN = ("artistic_background", "gender", "age")
+FACTORS = WITHIN + BETWEEN
+
+
+@cache
+def designs(number: int) -> tuple[pd.DataFrame, Design, Design]:
+    """Return the trials of a study and the designs that `analysis.hit_effects` makes of them."""
+    table = people(number, np.random.default_rng([SEED, number])).assign(correct=0.0)
+    return (
+        table,
+        design_of(table, WITHIN, "correct", binary=False),
+        design_of(table, FACTORS, "correct", binary=False),
+    )
 
 
 def rejected(number: int, peer: bool, repetition: int) -> Row:
     """Test the factors of a study in which only the level has an effect."""
-    table = study(number, np.random.default_rng([SEED, repetition]))
-    row = {}
-    for effects in (hit_effects(table, FACTORS), time_effects(table, FACTORS)):
-        for test in effects.tests.to_dict("records"):
-            if test["factor"] != "level":
-                row[f"{effects.quantity}: {test['factor']}"] = float(test["p_value"] < 0.05)
-    return row | (_peer(table) if peer else {})
+    table, within, every = designs(number)
+    right, log_time = answer(table, np.random.default_rng([SEED, repetition]))
+    row: Row = {}
+    responses: tuple[tuple[str, Kind, Values], ...] = (
+        ("hit rate", "binomial", right),
+        ("time", "normal", log_time),
+    )
+    for name, kind, response in responses:
+        for design, factors in ((within, WITHIN[1:]), (every, BETWEEN)):
+            fit = clustered_regression(design.matrix, response, design.cluster, kind)
+            units = np.eye(len(fit.coefficients))
+            for factor in design.factors:
+                if factor.name in factors:
+                    p_value = fit.test(units[list(factor.columns)]).p_value
+                    row[f"{name}: {factor.name}"] = float(p_value < 0.05)
+    return row | (_peer(right, every) if peer else {})
 
 
-def _peer(table: pd.DataFrame) -> Row:
-    """Test them by statsmodels: exchangeable, Mancl and DeRouen's covariance, chi-square."""
-    model = sm.GEE.from_formula(
-        "right ~ level + C(placement) + C(material) + C(artistic_background) + C(gender) + age",
-        "participant",
-        table.assign(right=table["correct"].astype(int)),
+def _peer(right: Values, design: Design) -> Row:
+    """Test them by statsmodels: exchangeable, Mancl and DeRouen's covariance, normal tails."""
+    model = sm.GEE(
+        right,
+        design.matrix,
+        groups=design.cluster,
         family=sm.families.Binomial(),
         cov_struct=Exchangeable(),
     )
@@ -144,18 +183,14 @@ def _peer(table: pd.DataFrame) -> Row:
         fit = model.fit(cov_type="bias_reduced")
     if not fit.converged or not np.isfinite(fit.bse).all():
         return {"statsmodels: not converged": 1.0}
-    p_values = fit.pvalues
-    row = {"statsmodels: not converged": 0.0}
-    for name, column in (
-        ("material", "C(material)[T.shiny]"),
-        ("artistic_background", "C(artistic_background)[T.yes]"),
-        ("age", "age"),
-    ):
-        row[f"statsmodels: {name}"] = float(p_values[column] < 0.05)
-    return row
+    return {"statsmodels: not converged": 0.0} | {
+        f"statsmodels: {factor.name}": float(fit.pvalues[factor.first] < 0.05)
+        for factor in design.factors
+        if factor.name in ("material", *BETWEEN)
+    }
 
 
-def different(number: int, spread: float, repetition: int) -> Row:
+def different(number: int, spread: float, repetition: int, resamples: int = RESAMPLES) -> Row:
     """Compare two conditions with one threshold, over the same and over other observers."""
     generator = np.random.default_rng([SEED, repetition])
     own, first = observers(number, spread, generator)
@@ -166,7 +201,7 @@ def different(number: int, spread: float, repetition: int) -> Row:
     total = np.full(first.shape, float(ANSWERS))
     paired, unpaired = (
         threshold_difference(
-            LEVELS, (first, total), (other, total), GUESS_RATE, generator, RESAMPLES, paired=pair
+            LEVELS, (first, total), (other, total), GUESS_RATE, generator, resamples, paired=pair
         )
         for other, pair in ((second, True), (others, False))
     )
@@ -208,7 +243,7 @@ def timed(compute: Callable[[], object]) -> float:
 def speed() -> dict[str, Any]:
     """Time everything on 100,000 answers, and one fit by each method."""
     generator = np.random.default_rng(SEED)
-    table = study(1000, generator, answers=2).iloc[:-8000]  # 108,000 answers less 8,000
+    table = study(1000, generator, replicates=2).iloc[:-8000]  # 108,000 answers less 8,000
     table = table.assign(
         control=(generator.random(len(table)) < 0.1),
         target=pd.array(generator.integers(1, 9, len(table)), dtype="Int64"),
@@ -244,7 +279,7 @@ def _fits(generator: np.random.Generator) -> dict[str, float]:
     rates = rate_at(LEVELS, THRESHOLD, WIDTH, GUESS_RATE, LAPSE_RATE)
     correct = generator.binomial(180, rates, size=(2000, len(LEVELS)))
     total = np.full(correct.shape, 180)
-    many = timed(lambda: maximum_likelihood(LEVELS, correct, total, GUESS_RATE, starts=1)) / 2000
+    many = timed(lambda: maximum_likelihood(LEVELS, correct, total, GUESS_RATE)) / 2000
     one = timed(lambda: fit_threshold(LEVELS, correct[0], total[0], GUESS_RATE))
     return {
         "seconds a fit, maximum likelihood": many,

@@ -78,6 +78,19 @@ def test_recovers_the_function() -> None:
         assert found.mean() == pytest.approx(expected, abs=4 * found.std() / np.sqrt(500))
 
 
+def test_finds_the_higher_of_two_maxima() -> None:
+    # Property: answers that are never better than half right have two maxima, at a high lapse rate
+    # and at a threshold far up; resamples of them must not end at the lower one.
+    correct = np.array([10, 23, 27, 37, 32, 43, 46, 39, 34])
+    redrawn = np.random.default_rng(2).binomial(80, correct / 80, size=(100, 9))
+    fits = maximum_likelihood(
+        LEVELS, np.vstack([correct, redrawn]), np.full((101, 9), 80), GUESS_RATE
+    )
+    assert fits.threshold[0] == pytest.approx(26.9, abs=0.1)
+    assert fits.lapse_rate[0] == pytest.approx(0.494, abs=0.01)
+    assert np.mean(fits.threshold < 45) > 0.8
+
+
 def test_slope_and_information_are_those_of_finite_differences() -> None:
     # Derivatives: central differences; the expected information is that of the mean answers.
     parameters = np.array([[0.2, -1.0, 0.03], [0.6, -0.4, 0.1]])
@@ -151,5 +164,3 @@ def test_refuses() -> None:
         maximum_likelihood(LEVELS, correct * np.nan, total, GUESS_RATE)
     with pytest.raises(InputError, match=r"correct: shape \(9,\) given, \(n, levels\) accepted"):
         maximum_likelihood(LEVELS, correct[0], total, GUESS_RATE)
-    with pytest.raises(InputError, match="starts: 0 given, 1 to 3"):
-        maximum_likelihood(LEVELS, correct, total, GUESS_RATE, starts=0)
