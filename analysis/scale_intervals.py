@@ -19,6 +19,10 @@ INTERVALS: dict[IntervalKind, str] = {
     "sandwich": "cluster-robust over observers, Student's t",
     "fisher": "Fisher information, answers taken as independent",
 }
+# Of 1/2, 1/4 and 1/10 the one whose intervals hold the truth 95 times in 100 also where few
+# observers nearly all prefer one item: with 1/2 they are too short there, with 1/10 too long.
+_ADDED_WHERE_UNBOUNDED = 0.25
+_NO_SPREAD = 1e-8
 
 
 @dataclass(frozen=True)
@@ -30,8 +34,8 @@ class Resamples:
     estimates
         Shape (resamples, t), with mean zero.
     regularised
-        How many resamples have no finite scale of their own: half an answer was added there for
-        either item of each compared pair.
+        How many resamples have no finite scale of their own: a quarter of an answer was added
+        there for either item of each compared pair.
     """
 
     estimates: Matrix
@@ -61,7 +65,7 @@ def resample_observers(
     pooled = (chosen @ counts.reshape(observers, -1)).reshape(-1, items, items) + pseudo
     unbounded = ~has_maximum(pooled)
     total = counts.sum(axis=0)
-    pooled[unbounded] += 0.5 * (total + total.T > 0)
+    pooled[unbounded] += _ADDED_WHERE_UNBOUNDED * (total + total.T > 0)
     return Resamples(fit_values(pooled, model), int(unbounded.sum()))
 
 
@@ -72,7 +76,7 @@ def interval_of_contrasts(
     spread: Matrix,
     observers: int,
 ) -> tuple[Matrix, Matrix]:
-    """Return the 95 % intervals of contrasts of values.
+    """Return the 95 % intervals of contrasts of values; NaN where observers show no spread.
 
     Parameters
     ----------
@@ -91,7 +95,9 @@ def interval_of_contrasts(
     Notes
     -----
     Efron and Tibshirani 1993, ch. 12 and 13. `benchmarks/paired.py` counts how often each kind
-    holds the truth: percentiles too seldom below 50 observers, the others as they should from 15.
+    holds the truth: `bootstrap` and `sandwich` 93 to 99 times in 100 from 8 observers on,
+    `percentile` and `basic` less often with few observers, and `fisher` with any number of
+    observers who differ.
     """
     estimate = contrasts @ values
     if kind in FROM_RESAMPLES:
@@ -105,6 +111,7 @@ def interval_of_contrasts(
     else:
         variance = np.einsum("ki,ij,kj->k", contrasts, spread, contrasts)
         error = np.sqrt(np.maximum(variance, 0))
+    error[(error < _NO_SPREAD) & contrasts.any(axis=1)] = np.nan
     upper = (1 + CONFIDENCE) / 2
     reach = error * (
         stats.norm.ppf(upper) if kind == "fisher" else stats.t.ppf(upper, observers - 1)

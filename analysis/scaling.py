@@ -64,8 +64,8 @@ class PairScale:
     n, observers
         The number of answers and of observers; observers is 1 where only sums were given.
     resamples, regularised
-        Of the bootstrap; and how many of them have no finite scale of their own, so that half an
-        answer was added there for either item of each compared pair.
+        Of the bootstrap; and how many of them have no finite scale of their own, so that a quarter
+        of an answer was added there for either item of each compared pair.
     seed, version
         Of the generator, and Trompe.
     """

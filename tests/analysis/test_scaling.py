@@ -310,6 +310,18 @@ def test_resamples_without_a_finite_scale_are_counted() -> None:
     assert np.isfinite(result.table[["low", "high"]].to_numpy()).all()
 
 
+@pytest.mark.parametrize("kind", ["bootstrap", "sandwich"])
+def test_observers_without_spread_have_no_interval(kind: IntervalKind) -> None:
+    # Theory: a circle and its reverse give every item the same score, whoever is drawn.
+    circle = np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]])
+    wins = [circle, circle.T] * 2
+    table = scale_pairs(
+        wins, interval=kind, prior=1, generator=np.random.default_rng(1), anchor="first"
+    ).table
+    np.testing.assert_allclose(table["jod"], 0, atol=1e-9)
+    assert table["low"].isna().tolist() == [False, True, True]  # the anchor is where it is
+
+
 def test_same_seed_same_result() -> None:
     wins = differing_observers(20, 5, seed=8)
     one, other = (scale_pairs(wins, generator=np.random.default_rng(9)) for _ in range(2))
