@@ -52,6 +52,12 @@ class Rendered:
     coverage: Image
     shading: Image
 
+    def lit_also_as(self, other: "Rendered", share: float) -> "Rendered":
+        """Return the same objects under the lights of both pictures, the other's dimmed."""
+        radiance = self.radiance + np.float32(share) * other.radiance
+        shading = self.shading + np.float32(share) * other.shading
+        return Rendered(radiance, self.coverage, shading)
+
 
 class Renderer(ABC):
     """Renders one scene, in which every object has lights of its own.

@@ -37,7 +37,7 @@ ALBEDO_RATIO: Final = 2.4
 """Of light and dark tiles: measured on renders, the median radiance of light tiles that the key
 light does not reach is about that of dark tiles that it does."""
 
-LIGHT_ALBEDOS: Final = (0.16, 0.165, 0.18, 0.21, 0.26, 0.345, 0.48, 0.72)
+LIGHT_ALBEDOS: Final = (0.195, 0.2, 0.22, 0.26, 0.32, 0.42, 0.59, 0.88)
 """Of the light tiles of an image's eight objects, in an order that is drawn. Were all alike, an
 observer of brightness alone would find more than half of the targets."""
 
@@ -173,14 +173,14 @@ def make(
         images = {cell.image().scene: cell for cell in cells}
 
         def place(scene: str, coarseness: int) -> list[Placed]:
-            return images[scene].place(seed, coarseness * (_QUICK_COARSENESS if quick else 1))
+            return images[scene].place(seed, max(coarseness, _QUICK_COARSENESS if quick else 1))
 
         return linked_plan(
             [cell.image() for cell in cells],
             place,
             QUICK if quick else FULL,
             {number: f"place {number}" for number in range(1, OBJECTS + 1)},
-            coarseness=2,
+            coarseness=4,
             recurring=False,
         )
 
