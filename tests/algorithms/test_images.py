@@ -79,6 +79,14 @@ def test_exr_keeps_the_distance_of_nothing(tmp_path: Path) -> None:
     assert (read_channels(tmp_path / "distance.exr")[..., 0] == distance).all()
 
 
+def test_exr_keeps_half_precision(tmp_path: Path, image: NDArray[np.float32]) -> None:
+    half = image.astype(np.float16)
+    for name, values in (("half", half), ("whole", image)):
+        write_channels(tmp_path / f"{name}.exr", values)
+    assert (read_channels(tmp_path / "half.exr") == half).all()
+    assert (tmp_path / "half.exr").stat().st_size < (tmp_path / "whole.exr").stat().st_size
+
+
 def test_single_channel_is_repeated(tmp_path: Path) -> None:
     values = np.array([[0.25, 4.0]], np.float32)
     write_image(tmp_path / "grey.exr", values)
