@@ -27,6 +27,7 @@ METHOD = (
     " clusters, bias-reduced covariance (CR2), Satterthwaite's degrees of freedom"
 )
 _LARGEST_COEFFICIENT = 15.0  # of columns from 0 to 1; a larger one grows without end
+_LOST = 1e-3  # share of a covariance's expectation that no other participant vouches for
 _MOST_STEPS = 100
 _FLAT = 1e-9  # gain of the logarithm of the likelihood in the last step
 
@@ -92,6 +93,11 @@ class ClusteredRegression:
             The quantity at the coefficients.
         slopes
             Its derivatives by the coefficients, shape (p,); for a coefficient itself a unit vector.
+
+        Returns
+        -------
+        tuple
+            No interval (NaN) and 0 where too few participants tell of the quantity.
         """
         variance = float(slopes @ self.covariance @ slopes)
         # With as few participants as coefficients the covariance may say nothing of a quantity.
@@ -132,6 +138,9 @@ class ClusteredRegression:
         # :, t] where i = k, less own[i, :, s] . own[k, :, t] because the fit took part of it.
         alone = np.einsum("ips,ipt->ist", weights, own)
         fitted = np.einsum("ips,ipt->ist", own, own)
+        expected = alone.sum(axis=0) - fitted.sum(axis=0)
+        if not np.allclose(expected, np.eye(len(expected)), atol=_LOST):
+            return 0.0  # some participants alone determine the combinations: no spread is left
         joint = np.einsum("ips,irt->prst", own, own, optimize=True)
         spread = np.einsum("iss,itt->", alone, alone) - 2 * np.einsum("iss,itt->", alone, fitted)
         spread += np.einsum("ist,ist->", alone, alone) - 2 * np.einsum("ist,ist->", alone, fitted)

@@ -53,16 +53,16 @@ def effect_sentences(
 def _contrast(effects: Effects, row: pd.Series, unit: str) -> str:
     per = str(row["contrast"])
     label = f"{per} {unit}" if unit and per.startswith("per ") else per
-    ratio = f"{row['ratio']:.2f} [{row['ratio_low']:.2f}, {row['ratio_high']:.2f}]"
+    ratio = f"{row['ratio']:.2f}{_interval(row, 'ratio', 1, '.2f')}"
     if effects.quantity == TIME:
         return f"{label} times {ratio}"
-    points = [
-        100 * float(row[name]) for name in ("difference", "difference_low", "difference_high")
-    ]
-    return (
-        f"{label} {points[0]:+.1f} percentage points [{points[1]:.1f}, {points[2]:.1f}],"
-        f" odds times {ratio}"
-    )
+    points = f"{100 * row['difference']:+.1f} percentage points"
+    return f"{label} {points}{_interval(row, 'difference', 100, '.1f')}, odds times {ratio}"
+
+
+def _interval(row: pd.Series, name: str, scale: float, form: str) -> str:
+    low, high = scale * float(row[f"{name}_low"]), scale * float(row[f"{name}_high"])
+    return "" if math.isnan(low) else f" [{low:{form}}, {high:{form}}]"
 
 
 def _test(test: Mapping[object, object], size: int) -> str:

@@ -16,7 +16,7 @@ from analysis.clustered_regression import (
     clustered_regression,
 )
 from analysis.estimates import Estimate, software_version
-from analysis.factors import Design, Factor, design_of, varies_within
+from analysis.factors import Design, Factor, check_factors, design_of, varies_within
 from analysis.multiplicity import Family, family
 
 HIT_RATE, TIME = "hit rate", "time per answer"
@@ -200,21 +200,30 @@ def _fits(rows: pd.DataFrame, names: Sequence[str], response: str, kind: Kind) -
     What participants are is the same for all answers of one, so that it takes nothing from the
     effects within; but it can be unknown, and then only the effects between must do without them.
     """
-    known = [name for name in names if name in rows]
-    within = [name for name in known if varies_within(rows, name)]
+    check_factors(rows, names)
+    within = [name for name in names if varies_within(rows, name)]
     between = [name for name in names if name not in within]
-    designs = [design_of(rows, within, response, kind == "binomial")] if within else []
-    if between or not designs:
-        designs.append(design_of(rows, names, response, kind == "binomial"))
-    found: list[tuple[Factor, Design, ClusteredRegression]] = []
-    left_out: dict[str, str] = {}
-    for design, own in zip(designs[::-1], (between or names, within), strict=False):
-        answers = design.rows[response].to_numpy(float)
-        fit = clustered_regression(design.matrix, answers, design.cluster, kind)
-        found = [(f, design, fit) for f in design.factors if f.name in own] + found
-        left_out |= {name: why for name, why in design.left_out.items() if name in own}
+    parts = [(part, told) for part, told in ((within, within), (names, between)) if told]
+    fits = _Fits([], {})
+    for factors, told in parts:
+        try:
+            design = design_of(rows, factors, response, kind == "binomial")
+            answers = design.rows[response].to_numpy(float)
+            fit = clustered_regression(design.matrix, answers, design.cluster, kind)
+        except InputError as error:
+            if len(parts) == 1:
+                raise
+            fits.left_out.update(dict.fromkeys(told, str(error)))
+            continue
+        fits.found.extend((one, design, fit) for one in design.factors if one.name in told)
+        fits.left_out.update(
+            {name: design.left_out[name] for name in told if name in design.left_out}
+        )
+    if not fits.found:
+        raise InputError(f"factors: {'; '.join(sorted(set(fits.left_out.values())))}")
     order = list(names)
-    return _Fits(sorted(found, key=lambda one: order.index(one[0].name)), left_out)
+    fits.found.sort(key=lambda one: order.index(one[0].name))
+    return fits
 
 
 def _test(factor: Factor, design: Design, fit: ClusteredRegression) -> dict[str, object]:

@@ -96,7 +96,7 @@ def design_of(table: pd.DataFrame, names: Sequence[str], response: str, binary: 
     InputError
         If a factor is unknown, there are fewer than two participants, or no factor is left.
     """
-    _check_factors(table, names)
+    check_factors(table, names)
     rows, kept = table, list(dict.fromkeys(names))
     left_out: dict[str, str] = {}
     changed = True
@@ -117,7 +117,14 @@ def design_of(table: pd.DataFrame, names: Sequence[str], response: str, binary: 
     return _with_columns(rows, kept, left_out)
 
 
-def _check_factors(table: pd.DataFrame, names: Sequence[str]) -> None:
+def check_factors(table: pd.DataFrame, names: Sequence[str]) -> None:
+    """Refuse names that are no columns, and columns with infinite values.
+
+    Raises
+    ------
+    InputError
+        Naming the factor.
+    """
     if isinstance(names, str) or not names:
         raise InputError(f"factors: {names!r} given, the names of one or more columns accepted")
     for name in names:

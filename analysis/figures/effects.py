@@ -104,7 +104,9 @@ def _labels(contrasts: pd.DataFrame, names: Mapping[str, str]) -> list[str]:
 def _logarithmic(axes: Axes, contrasts: pd.DataFrame) -> None:
     """Make the axis logarithmic, with round numbers within what is drawn."""
     axes.set_xscale("log")
-    low, high = float(contrasts["ratio_low"].min()), float(contrasts["ratio_high"].max())
+    ratios = contrasts[["ratio_low", "ratio", "ratio_high"]].to_numpy(float)
+    low = max(float(np.nanmin(ratios)), _TICKS[0])
+    high = min(float(np.nanmax(ratios)), _TICKS[-1])
     axes.set_xlim(min(low, 0.95) / 1.05, max(high, 1.05) * 1.05)
     shown = _TICKS[(low / 1.1 <= _TICKS) & (high * 1.1 >= _TICKS)]
     axes.xaxis.set_major_locator(FixedLocator(list(shown) if len(shown) > 1 else [0.9, 1.0, 1.1]))

@@ -53,6 +53,14 @@ def test_every_contrast_has_its_row(table: pd.DataFrame, hits: Effects) -> None:
     assert only.get_xlabel() == "ratio of geometric means"
 
 
+def test_few_participants_have_a_figure_too() -> None:
+    two = study(2, np.random.default_rng(2))
+    effects = hit_effects(two, ("placement", "age"))
+    assert effects.contrasts["ratio_low"].isna().any()
+    right = effects_figure(effects, True).axes[1]
+    assert 0.005 < right.get_xlim()[0] < right.get_xlim()[1] < 200
+
+
 def test_filled_marks_are_those_that_the_corrected_test_finds(hits: Effects) -> None:
     found = hits.to_frame()["p_holm"] < 0.05
     assert 0 < found.sum() < len(found)

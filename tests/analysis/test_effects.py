@@ -208,6 +208,29 @@ def test_more_values_than_participants_have_no_test() -> None:
     assert "too few participants for a test" in effect_sentences(effects)[0]
 
 
+def test_what_single_participants_determine_has_no_interval_and_no_test() -> None:
+    # Theory: a line through two people's rates leaves nothing to judge it by; its spread is 0,
+    # which would be the surest of all tests.
+    two = answers(2, 12).assign(age=lambda t: np.where(t["participant"] == "P000", 20.0, 40.0))
+    effects = hit_effects(two, ("level", "age"))
+    age = effects.contrasts.set_index("factor").loc["age"]
+    assert np.isnan(age[["ratio_low", "ratio_high", "difference_low"]].to_numpy(float)).all()
+    assert np.isfinite(age["ratio"])
+    p_values = effects.tests.set_index("factor")["p_value"]
+    assert np.isfinite(p_values["level"])
+    assert np.isnan(p_values["age"])
+    assert "[nan" not in " ".join(effect_sentences(effects))
+
+
+def test_effects_within_stand_where_those_between_cannot_be_told() -> None:
+    table = answers(6, 13, back_odds=1.0)
+    table["club"] = np.where(table["participant"] < "P003", "a", "b")
+    table["correct"] |= table["club"] == "a"
+    effects = hit_effects(table, ("level", "club"))
+    assert effects.tests["factor"].tolist() == ["level"]
+    assert effects.left_out["club"] == "all answers are right at a: no odds exist"
+
+
 def test_one_sentence_for_each_factor() -> None:
     table = answers(60, 10, artist_odds=1.2)
     table["extra"] = "same"
