@@ -15,6 +15,7 @@ SUMMARIES: Final[Mapping[str, str]] = {
     "divergence": "experiment 1: eight objects, one of them under another light (sec. 2.3)",
     "texture": "experiment 2: the same with four checkerboards (sec. 2.4)",
     "photographs": "experiment 3: your photographs, an object lit from elsewhere (sec. 2.5)",
+    "lightprobes": "objects under known lights, for light detection (ch. 3 and 9)",
     "still-life": "a table with things of many materials, lit from six directions (sec. 8.7)",
     "translucency": "translucent objects with irradiance maps of front and back (ch. 9)",
     "fog": "an outdoor scene with exact distance, clear and in fog of three densities (ch. 6)",
