@@ -1,14 +1,16 @@
-"""Effects in plain sentences, one a factor."""
+"""Effects of factors and differences of thresholds in plain sentences."""
 
 import math
 from collections.abc import Mapping
 
 import pandas as pd
 
+from analysis.condition_differences import ConditionDifferences
 from analysis.effects import TIME, Effects
 from analysis.naming import p_text
 
 _ALPHA = 0.05
+_NOTHING_FOUND = "No difference can be told; that does not show there is none."
 
 
 def effect_sentences(
@@ -50,6 +52,50 @@ def effect_sentences(
     return sentences
 
 
+def difference_sentences(found: ConditionDifferences, unit: str = "") -> list[str]:
+    """Return how far the thresholds of each two values of a condition differ, and what is left out.
+
+    Parameters
+    ----------
+    found
+        As from `analysis.condition_differences`.
+    unit
+        Of the levels.
+
+    Returns
+    -------
+    list
+        Such as `Threshold by placement: front - back +6.3 deg [2.9, 9.6], p < 0.001, 0.002 by
+        Holm's correction for 3 pairs.`
+    """
+    start = f"Threshold by {found.condition.replace('_', ' ')}:"
+    sentences = []
+    for row in found.to_frame().to_dict("records"):
+        value = float(row["difference"])
+        if math.isnan(value):
+            text = "a threshold lies beyond the levels tested, so that there is no difference"
+            sentences.append(f"{start} {row['pair']}: {text}.")
+            continue
+        low, high = (_end(float(row[f"difference_{end}"])) for end in ("low", "high"))
+        text = f"{value:+.1f} {unit}".rstrip() + f" [{low}, {high}]"
+        sentences.append(
+            f"{start} {row['pair']} {text},"
+            f" {_p_values(float(row['p_value']), float(row['p_holm']), found.family.size, 'pairs')}"
+        )
+    return sentences + [f"{start} {pair}: {why}." for pair, why in found.left_out.items()]
+
+
+def _end(value: float) -> str:
+    return f"{value:.1f}" if math.isfinite(value) else "no bound"
+
+
+def _p_values(raw: float, corrected: float, size: int, what: str) -> str:
+    text = f"p {p_text(raw)}"
+    if size > 1:
+        text += f", {p_text(corrected).removeprefix('= ')} by Holm's correction for {size} {what}"
+    return text + ("." if corrected < _ALPHA else f". {_NOTHING_FOUND}")
+
+
 def _contrast(effects: Effects, row: pd.Series, unit: str) -> str:
     per = str(row["contrast"])
     label = f"{per} {unit}" if unit and per.startswith("per ") else per
@@ -71,12 +117,5 @@ def _test(test: Mapping[object, object], size: int) -> str:
     )
     if math.isnan(raw):
         return "too few participants for a test."
-    text = f"F({df:.0f}, {denominator:.1f}) = {statistic:.2f}, p {p_text(raw)}"
-    if size > 1:
-        text += f", {p_text(corrected).removeprefix('= ')} by Holm's correction for {size} factors"
-    none = (
-        ""
-        if corrected < _ALPHA
-        else " No difference can be told; that does not show there is none."
-    )
-    return f"{text}.{none}"
+    text = f"F({df:.0f}, {denominator:.1f}) = {statistic:.2f}"
+    return f"{text}, {_p_values(raw, corrected, size, 'factors')}"

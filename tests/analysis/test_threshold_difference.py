@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from algorithms.errors import InputError
 from analysis.condition_differences import condition_differences
+from analysis.effect_sentences import difference_sentences
 from analysis.multiplicity import holm
 from analysis.sigmoid import rate_at
 from analysis.threshold_difference import (
@@ -164,6 +165,16 @@ def test_conditions_of_a_study_are_compared_in_pairs(table: pd.DataFrame) -> Non
     assert frame["difference_low"].iloc[0] < 15 < frame["difference_high"].iloc[0]
     np.testing.assert_allclose(frame["p_holm"], holm(frame["p_value"]))
     assert frame["paired"].all()
+
+
+def test_one_sentence_for_each_pair(table: pd.DataFrame) -> None:
+    never = table.assign(correct=table["correct"] & (table["placement"] != "front-back"))
+    found = condition_differences(never, "placement", 1 / 8, np.random.default_rng(1), 300)
+    first, *others = difference_sentences(found, "deg")
+    assert first.startswith("Threshold by placement: front - back +1")
+    assert ", p " in first
+    assert "Holm" not in first  # two of the three pairs have no test
+    assert all("a threshold lies beyond the levels tested" in other for other in others)
 
 
 def test_groups_of_people_are_compared_unpaired(table: pd.DataFrame) -> None:
