@@ -106,7 +106,8 @@ def test_light_tile_in_shadow_is_as_luminous_as_dark_tile_in_light(
             if min(clear_in_shadow.size, dark_in_light.size) > 30:
                 ratios.append(np.median(clear_in_shadow) / np.median(dark_in_light))
     assert len(ratios) > 30
-    assert 0.85 < np.exp(np.mean(np.log(ratios))) < 1.18
+    # Between objects it varies by a third: far from equal would be the ratio of the albedos, 4.
+    assert 0.8 < np.exp(np.mean(np.log(ratios))) < 1.25
 
 
 def test_finest_checkerboard_does_not_alias_at_the_quick_size() -> None:
