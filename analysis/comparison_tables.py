@@ -6,13 +6,11 @@ from collections.abc import Container
 import pandas as pd
 
 from algorithms.errors import InputError
-from analysis.trials import check_responses
+from analysis.trials import KEPT, check_responses
 from experiments.answers import accepted_answers, is_possible
 from experiments.study import Study, Task
 from experiments.trials import Answer, Trial
 from stimuli.manifest import StimulusSet
-
-_KEPT = ("participant", "session", "trial_index", "reaction_time_s", "simulated", "pilot")
 
 
 def pair_table(responses: pd.DataFrame, study: Study, stimuli: StimulusSet) -> pd.DataFrame:
@@ -30,7 +28,8 @@ def pair_table(responses: pd.DataFrame, study: Study, stimuli: StimulusSet) -> p
     pandas.DataFrame
         `participant`, `session`, `trial_index`, each factor of `stimuli.within`, `item_a`
         and `item_b` (the items in the first and the second place), `chosen` (one of them; missing
-        where no answer was given), `answer` (1 or 2), `reaction_time_s`, `simulated`, `pilot`.
+        where no answer was given), `answer` (1 or 2), `reaction_time_s`, `dropped_frames`,
+        `simulated`, `pilot`.
 
     Raises
     ------
@@ -56,7 +55,8 @@ def rank_table(responses: pd.DataFrame, study: Study, stimuli: StimulusSet) -> p
     pandas.DataFrame
         `participant`, `session`, `trial_index`, each factor of `stimuli.within`, the rank of each
         item under the item's name (1 is best; missing for items that were not shown), `answer` (1;
-        missing where no answer was given), `reaction_time_s`, `simulated`, `pilot`.
+        missing where no answer was given), `reaction_time_s`, `dropped_frames`,
+        `simulated`, `pilot`.
     """
     table, items = _answered(responses, study, stimuli, "ranking")
     ranks = [
@@ -80,7 +80,8 @@ def judgement_table(responses: pd.DataFrame, study: Study, stimuli: StimulusSet)
         `participant`, `session`, `trial_index`, `stimulus`, the factors of `stimuli.conditions`,
         `item`, `answer` (1 for yes, 0 for no; missing where no answer was given), `truth` (the
         stimulus' right answer in the manifest, 1 or 0; missing where there is none, or where the
-        set's right answers are others than these), `reaction_time_s`, `simulated`, `pilot`.
+        set's right answers are others than these), `reaction_time_s`, `dropped_frames`,
+        `simulated`, `pilot`.
     """
     table, items = _answered(responses, study, stimuli, "yes-no")
     table["item"] = [shown[0] for shown in items]
@@ -121,7 +122,7 @@ def _answered(
     answers = [_answer(value) for value in main["answer"]]
     for identifiers, answer in zip(shown, answers, strict=True):
         _check_trial(study, identifiers, answer, factors)
-    table = main.loc[:, list(_KEPT)].reset_index(drop=True)
+    table = main.loc[:, list(KEPT)].reset_index(drop=True)
     for name in dict.fromkeys((*study.stimuli.within, *study.stimuli.conditions)):
         levels = dict.fromkeys(str(each[name]) for each in factors.values())
         values = [str(factors[identifiers[0]][name]) for identifiers in shown]

@@ -12,7 +12,7 @@ from algorithms.errors import InputError
 from algorithms.files import make_folder, write_atomically
 from analysis.chance import ChanceLimit
 from analysis.estimates import Estimate, to_json
-from analysis.exclusions import Who
+from analysis.exclusions import Who, describe_rule
 from analysis.figures.style import SIMULATED_TEXT, figure_bytes
 from analysis.naming import level_name, p_text
 from analysis.participants import describe_participants
@@ -216,6 +216,7 @@ def render(analysis: StudyAnalysis, drawings: Mapping[str, bytes]) -> str:
         stimuli=analysis.stimuli,
         people="" if analysis.simulated else describe_participants(analysis.sessions),
         flow=analysis.flow.to_frame().to_dict("records"),
+        rule=describe_rule(analysis.study.exclusion, analysis.study.stimuli.level_unit),
         sentences=analysis.sentences(),
         level=level_name(analysis.study),
         unit=analysis.study.stimuli.level_unit,

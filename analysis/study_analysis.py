@@ -11,7 +11,7 @@ import pandas as pd
 
 from algorithms.errors import InputError
 from analysis.estimates import software_version
-from analysis.exclusions import Flow, Who, apply_rule, select_sessions
+from analysis.exclusions import Flow, Who, apply_rule, catch_trials, select_sessions
 from experiments.responses import Event, Response, Session, responses_frame
 from experiments.study import Study, Task
 from stimuli.manifest import StimulusSet
@@ -175,7 +175,8 @@ def analyse_study(
     table = task.trials(answers, study, stimuli)
     excluded = apply_rule(study.exclusion, chosen, table, events)
     gone = {one.participant for one in excluded}
-    kept = table[~table["participant"].isin(gone)].reset_index(drop=True)
+    counted = ~table["participant"].isin(gone) & ~catch_trials(table, study.exclusion)
+    kept = table[counted].reset_index(drop=True)
     recruited = {one.participant for one in chosen}
     flow = Flow(
         who=who,

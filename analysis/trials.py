@@ -15,10 +15,19 @@ _NEEDED = (
     "stimuli",
     "answer",
     "reaction_time_s",
+    "dropped_frames",
     "simulated",
     "pilot",
 )
-_KEPT = ("participant", "session", "trial_index", "reaction_time_s", "simulated", "pilot")
+KEPT = (
+    "participant",
+    "session",
+    "trial_index",
+    "reaction_time_s",
+    "dropped_frames",
+    "simulated",
+    "pilot",
+)
 
 
 def trial_table(responses: pd.DataFrame, study: Study, stimuli: StimulusSet) -> pd.DataFrame:
@@ -39,8 +48,8 @@ def trial_table(responses: pd.DataFrame, study: Study, stimuli: StimulusSet) -> 
         One row a main trial: `participant`, `session`, `trial_index`, `stimulus`, `level` (float,
         in the study's unit), each factor under its own name, `control` (True where there is no
         right answer), `target` and `answer` (labels, missing where there is none), `correct`
-        (missing for controls and where no answer was given), `reaction_time_s`, `simulated`,
-        `pilot`.
+        (missing for controls and where no answer was given), `reaction_time_s`, `dropped_frames`,
+        `simulated`, `pilot`.
 
     Raises
     ------
@@ -52,7 +61,7 @@ def trial_table(responses: pd.DataFrame, study: Study, stimuli: StimulusSet) -> 
     main = responses[responses["phase"] == "main"]
     if main.empty:
         raise InputError(f"responses: nothing to analyse yet, no main trial of {study.name}")
-    table = main.loc[:, list(_KEPT)].reset_index(drop=True)
+    table = main.loc[:, list(KEPT)].reset_index(drop=True)
     table["stimulus"] = [shown[0] for shown in main["stimuli"]]
     table["answer"] = _answers(main["answer"], study)
     table = table.merge(_factors(stimuli, study), on="stimulus", how="left", indicator="known")

@@ -31,6 +31,11 @@ _DESIGN_OF_TASK: dict[Task, str] = {
     "two-alternative": "pairs",
     "ranking": "sets",
 }
+# Keys that came after the first studies were run.
+_LATER_KEYS = {
+    "stimuli": ("item", "within"),
+    "exclusion": ("catch_level", "least_catch_share", "largest_late_share"),
+}
 _PRESENTED: tuple[Task, ...] = ("odd-one-out",)
 
 READY_MADE = Path(__file__).parent / "studies"
@@ -146,10 +151,33 @@ class Exclusion(_Part):
         Leave out participants who did not finish.
     shortest_median_s
         Leave out participants whose median time per main answer is below this.
+    catch_level
+        Of `odd-one-out`: main trials at this level or above are catch trials, plain to see for who
+        pays attention. They only tell whose answers count, and are in no result themselves.
+    least_catch_share
+        Leave out participants who are right in a smaller share of the catch trials.
+    largest_late_share
+        Leave out participants who saw late frames in a larger share of the main trials.
     """
 
     incomplete: bool = True
     shortest_median_s: float | None = Field(default=None, gt=0)
+    catch_level: float | None = None
+    least_catch_share: float | None = Field(default=None, gt=0, le=1)
+    largest_late_share: float | None = Field(default=None, ge=0, lt=1)
+
+
+class Analysis(_Part):
+    """What is tested; declared before the first answer.
+
+    Attributes
+    ----------
+    equivalence_margin
+        Of `two-alternative`: how far from one half the share of answers for an item of a pair may
+        lie and the two still count as equally good, such as 0.1; None: equivalence is not tested.
+    """
+
+    equivalence_margin: float | None = Field(default=None, gt=0, lt=0.5)
 
 
 class Study(_Part):
@@ -171,6 +199,7 @@ class Study(_Part):
     screen: Screen = Screen()
     stopping: Stopping
     exclusion: Exclusion = Exclusion()
+    analysis: Analysis = Analysis()
 
     @property
     def digest(self) -> str:
@@ -178,8 +207,13 @@ class Study(_Part):
 
         Keys that came later are left out while they say nothing: an older study stays the same.
         """
-        said_nothing = {key for key in ("item", "within") if not getattr(self.stimuli, key)}
-        content = self.model_dump_json(exclude={"stimuli": said_nothing})
+        said_nothing: dict[str, bool | set[str]] = {
+            part: {key for key in keys if getattr(getattr(self, part), key) in (None, ())}
+            for part, keys in _LATER_KEYS.items()
+        }
+        if self.analysis == Analysis():
+            said_nothing["analysis"] = True
+        content = self.model_dump_json(exclude=said_nothing)
         return hashlib.sha256(content.encode()).hexdigest()
 
     @property
@@ -215,6 +249,18 @@ class Study(_Part):
                 raise ValueError(f"stimuli.{key}: the task {self.task} has no use for it")
         if self.stimuli.within and wanted == "factorial":
             raise ValueError(f"stimuli.within: the task {self.task} has no use for it")
+        return self
+
+    @model_validator(mode="after")
+    def _check_rules(self) -> Self:
+        """Refuse rules that the task has no use for, and halves of rules."""
+        rule = self.exclusion
+        if (rule.catch_level is None) != (rule.least_catch_share is None):
+            raise ValueError("exclusion.catch_level, least_catch_share: one without the other")
+        if rule.catch_level is not None and self.task != "odd-one-out":
+            raise ValueError(f"exclusion.catch_level: the task {self.task} has no use for it")
+        if self.analysis.equivalence_margin is not None and self.task != "two-alternative":
+            raise ValueError(f"analysis.equivalence_margin: the task {self.task} has no use for it")
         return self
 
 

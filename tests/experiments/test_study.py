@@ -53,6 +53,13 @@ WRONG = [
     ("incomplete = true", 'incomplete = "maybe"', r"exclusion\.incomplete"),
     ("shortest_median_s = 0.3", "shortest_median_s = 0", r"exclusion\.shortest_median_s"),
     ("shortest_median_s = 0.3", "shortest_mean_s = 0.3", r"exclusion\.shortest_mean_s"),
+    ("shortest_median_s = 0.3", "catch_level = 80", r"exclusion\.catch_level"),
+    ("shortest_median_s = 0.3", "largest_late_share = 1", r"exclusion\.largest_late_share"),
+    (
+        "[stopping]",
+        "[analysis]\nequivalence_margin = 0.1\n[stopping]",
+        r"analysis\.equivalence_margin: the task odd-one-out has no use for it",
+    ),
 ]
 
 
@@ -99,6 +106,18 @@ def test_the_digest_is_of_what_is_said_not_of_the_layout(
     assert spaced.digest == study.digest
     other = load_study(write_study("seed = 2010", "seed = 2011"))
     assert other.digest != study.digest
+
+
+def test_keys_that_came_later_leave_older_studies_what_they_were(
+    write_study: WriteStudy, study: Study
+) -> None:
+    # Our own past: the digest that answers to this study were stored under.
+    assert study.digest.startswith("b1c9ec49357d")
+    for said in ("largest_late_share = 0", "catch_level = 0\nleast_catch_share = 0.5"):
+        rule = load_study(
+            write_study("shortest_median_s = 0.3", f"shortest_median_s = 0.3\n{said}")
+        )
+        assert rule.digest != study.digest
 
 
 def test_chance_is_one_in_the_number_of_choices(study: Study) -> None:
