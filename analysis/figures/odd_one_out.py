@@ -3,12 +3,15 @@
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from analysis.figures.effects import effects_figure
 from analysis.figures.hit_rates import hit_rate_figure
 from analysis.figures.psychometric import psychometric_figure
 from analysis.figures.salience import salience_figure
 from analysis.figures.style import SETTINGS
+from analysis.figures.threshold_differences import differences_figure
 from analysis.figures.threshold_ranges import threshold_figure
 from analysis.figures.times import times_figure
+from analysis.naming import level_name
 from analysis.tasks.odd_one_out import OddOneOutAnalysis
 
 
@@ -20,6 +23,14 @@ def odd_one_out_figures(analysis: OddOneOutAnalysis) -> dict[str, Figure]:
         "thresholds": threshold_figure(analysis),
         "hit-rates": hit_rate_figure(analysis),
     }
+    if analysis.differences:
+        figures["threshold-differences"] = differences_figure(
+            analysis.differences, analysis.simulated, analysis.study.stimuli.level_unit
+        )
+    names = {"level": level_name(analysis.study)}
+    for name, effects in (("hit", analysis.hit_effects), ("time", analysis.time_effects)):
+        if effects is not None:
+            figures[f"{name}-effects"] = effects_figure(effects, analysis.simulated, names)
     if analysis.salience is not None:
         figures["salience"] = salience_figure(analysis, analysis.salience)
     if analysis.times is not None:
