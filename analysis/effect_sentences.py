@@ -1,7 +1,7 @@
 """Effects of factors and differences of thresholds in plain sentences."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
@@ -50,6 +50,43 @@ def effect_sentences(
         name = words.get(factor, factor.replace("_", " "))
         sentences.append(f"{effects.quantity.capitalize()} by {name}: {why}.")
     return sentences
+
+
+def dependence_sentence(effects: Effects, names: Mapping[str, str] | None = None) -> str:
+    """Return in one sentence which factors matter by Holm's correction, and which cannot be told.
+
+    Parameters
+    ----------
+    effects, names
+        As in `effect_sentences`.
+
+    Returns
+    -------
+    str
+        Such as `Hit rate depends on divergence and placement (p < 0.05 by Holm's correction for 3
+        factors); no effect of material is found, which does not show that there is none.`
+    """
+    words = names or {}
+    found: list[str] = []
+    not_found: list[str] = []
+    tests = effects.tests.dropna(subset="p_holm")
+    for factor, p_holm in zip(tests["factor"], tests["p_holm"], strict=True):
+        told = found if p_holm < _ALPHA else not_found
+        told.append(words.get(str(factor), str(factor).replace("_", " ")))
+    how = f"(p < {_ALPHA:g} by Holm's correction for {effects.family.size} factors)"
+    quantity = effects.quantity.capitalize()
+    if tests.empty:
+        return f"{quantity}: too few participants to test what it depends on."
+    depends = f"{quantity} depends on {_listed(found)} {how}" if found else ""
+    if not not_found:
+        return f"{depends}."
+    none = f"no effect of {_listed(not_found)} is found, which does not show that there is none."
+    return f"{depends}; {none}" if found else f"{quantity}: {none}"
+
+
+def _listed(words: Sequence[str]) -> str:
+    *most, last = words
+    return f"{', '.join(most)} and {last}" if most else last
 
 
 def difference_sentences(found: ConditionDifferences, unit: str = "") -> list[str]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import pandas as pd
 
@@ -29,9 +30,11 @@ class Preferences:
     @property
     def sentences(self) -> list[str]:
         """The results in plain words, each with the pair it is about."""
+        cells = self.cells.drop(columns="pair", errors="ignore")  # the result says which two
+        labels = [", ".join(map(str, cell)) for cell in cells.itertuples(index=False)]
         return [
-            f"{', '.join(map(str, cell))}: {result.sentence}"
-            for cell, result in zip(self.cells.itertuples(index=False), self.results, strict=True)
+            f"{label}: {result.sentence}" if label else result.sentence
+            for label, result in zip(labels, self.results, strict=True)
         ]
 
     def to_frame(self) -> pd.DataFrame:
@@ -93,3 +96,55 @@ def preferences(
         for result, difference, equivalence in zip(results, differences, equivalences, strict=True)
     )
     return Preferences(sums.cells, corrected)
+
+
+def item_preferences(
+    table: pd.DataFrame,
+    items: Sequence[str],
+    by: Sequence[str] = (),
+    *,
+    margin: float | None = None,
+    alpha: float = ALPHA,
+) -> Preferences:
+    """Test every two of some items, in each cell of other factors, all together.
+
+    Parameters
+    ----------
+    table
+        One row an answer: `participant`, `item_a`, `item_b`, `chosen` (one of the two; rows
+        without an answer are left out) and the columns `by`.
+    items
+        Their names, in the order in which pairs are told; two or more.
+    by
+        The columns that split the answers, such as ``["light"]``.
+    margin, alpha
+        As in `preferences`.
+
+    Returns
+    -------
+    Preferences
+        Its cells have the column `pair`, such as `ours over theirs`, and the columns `by`; pairs
+        that nobody answered are left out.
+
+    Raises
+    ------
+    InputError
+        As in `preferences`.
+    """
+    missing = [name for name in ("item_a", "item_b", "chosen") if name not in table]
+    if missing:
+        raise InputError(f"table: the column {missing[0]} is missing")
+    pairs = {f"{first} over {second}": (first, second) for first, second in combinations(items, 2)}
+    label_of = {frozenset(pair): label for label, pair in pairs.items()}
+    shown = zip(table["item_a"], table["item_b"], strict=True)
+    labels = [label_of.get(frozenset(pair)) for pair in shown]
+    answered = table.assign(pair=pd.Categorical(labels, categories=list(pairs)))
+    answered = answered[answered["chosen"].notna() & answered["pair"].notna()]
+    first = answered["pair"].astype(str).map(lambda label: pairs[label][0])
+    answered = answered.assign(first=answered["chosen"] == first)
+    found = preferences(answered, ["pair", *by], margin=margin, alpha=alpha, chosen="first")
+    named = [
+        replace(result, names=pairs[str(label)])
+        for label, result in zip(found.cells["pair"], found.results, strict=True)
+    ]
+    return Preferences(found.cells, tuple(named))

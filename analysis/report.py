@@ -71,10 +71,15 @@ def _decimals(value: float, places: int, sign: str = "") -> str:
     return f"{value:{sign}.{places}f}"
 
 
+def _p_cell(p_value: float) -> str:
+    return p_text(p_value).removeprefix("= ")
+
+
 _TEMPLATES.filters |= {
     "decimals": _decimals,
     "interval2": _interval_of_two_decimals,
     "p": p_text,
+    "p_cell": _p_cell,
     "value": _value,
     "interval": _interval,
     "percent": _percent,

@@ -2,6 +2,7 @@
 
 import math
 
+from analysis.effect_sentences import dependence_sentence, difference_sentences
 from analysis.estimates import Estimate
 from analysis.groups import GroupThreshold
 from analysis.naming import level_name
@@ -24,7 +25,14 @@ def verdict(analysis: OddOneOutAnalysis) -> list[str]:
         groups = [g for g in analysis.thresholds if tuple(g.conditions) == (condition,)]
         values = "; ".join(f"{g.label} {in_levels(g.fit.threshold, unit)}" for g in groups)
         sentences.append(f"By {condition} that mid-point is: {values}.")
+    for each in analysis.differences:
+        sentences += difference_sentences(each, unit)
     sentences.append(_chance(analysis.overall, unit))
+    sentences += [
+        dependence_sentence(effects, {"level": name})
+        for effects in (analysis.hit_effects, analysis.time_effects)
+        if effects is not None
+    ]
     if analysis.salience is not None:
         choices = analysis.salience.choices
         first = choices.loc[choices["share"].iloc[: len(analysis.stimuli.objects)].argmax()]

@@ -56,7 +56,10 @@ def draw_effects(axes: Axes, effects: Effects, quantity: str, none: float) -> Ax
 
 
 def effects_figure(
-    effects: Effects, simulated: bool, names: Mapping[str, str] | None = None
+    effects: Effects,
+    simulated: bool,
+    names: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> Figure:
     """Return every contrast: on the left in points of the hit rate, on the right as a ratio.
 
@@ -68,6 +71,8 @@ def effects_figure(
         Whether programs answered.
     names
         Factors in words; else underscores become spaces.
+    units
+        Of numeric factors, such as `deg`.
     """
     timed = effects.quantity == TIME
     height = _HEADING_INCHES + _ROW_INCHES * len(effects.contrasts)
@@ -83,7 +88,8 @@ def effects_figure(
     _logarithmic(right, effects.contrasts)
     right.set_xlabel("ratio of geometric means" if timed else "odds ratio")
     right.set_title(effects.quantity.capitalize() if timed else "Odds")
-    panels[0].set_yticks(range(len(effects.contrasts)), _labels(effects.contrasts, names or {}))
+    labels = _labels(effects.contrasts, names or {}, units or {})
+    panels[0].set_yticks(range(len(effects.contrasts)), labels)
     for axes in panels[1:]:
         axes.tick_params(left=False)
     figure.supxlabel(
@@ -94,9 +100,12 @@ def effects_figure(
     return figure
 
 
-def _labels(contrasts: pd.DataFrame, names: Mapping[str, str]) -> list[str]:
+def _labels(
+    contrasts: pd.DataFrame, names: Mapping[str, str], units: Mapping[str, str]
+) -> list[str]:
     return [
-        f"{names.get(str(factor), str(factor).replace('_', ' '))}: {contrast}"
+        f"{names.get(str(factor), str(factor).replace('_', ' '))}:"
+        f" {contrast} {units.get(str(factor), '')}".rstrip()
         for factor, contrast in zip(contrasts["factor"], contrasts["contrast"], strict=True)
     ]
 

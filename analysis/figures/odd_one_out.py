@@ -14,6 +14,8 @@ from analysis.figures.times import times_figure
 from analysis.naming import level_name
 from analysis.tasks.odd_one_out import OddOneOutAnalysis
 
+UNITS = {"age": "years"}
+
 
 @mpl.rc_context(SETTINGS)
 def odd_one_out_figures(analysis: OddOneOutAnalysis) -> dict[str, Figure]:
@@ -28,9 +30,12 @@ def odd_one_out_figures(analysis: OddOneOutAnalysis) -> dict[str, Figure]:
             analysis.differences, analysis.simulated, analysis.study.stimuli.level_unit
         )
     names = {"level": level_name(analysis.study)}
+    units = {"level": analysis.study.stimuli.level_unit}
     for name, effects in (("hit", analysis.hit_effects), ("time", analysis.time_effects)):
         if effects is not None:
-            figures[f"{name}-effects"] = effects_figure(effects, analysis.simulated, names)
+            figures[f"{name}-effects"] = effects_figure(
+                effects, analysis.simulated, names, UNITS | units
+            )
     if analysis.salience is not None:
         figures["salience"] = salience_figure(analysis, analysis.salience)
     if analysis.times is not None:

@@ -3,6 +3,7 @@
 import textwrap
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -55,7 +56,7 @@ def draw_preferences(axes: Axes, result: Preferences) -> Axes:
     axes.axhline(HALF, color=CHANCE_COLOUR, linestyle=(0, (4, 3)), linewidth=1, label="one half")
     names = [
         "\n".join(line for part in cell for line in textwrap.wrap(str(part), _CHARACTERS))
-        for cell in result.cells.itertuples(index=False)
+        for cell in _told(result).itertuples(index=False)
     ]
     axes.set_xticks(range(len(names)), names)
     axes.set_ylim(0, 1)
@@ -76,12 +77,22 @@ def preferences_figure(result: Preferences, *, simulated: bool) -> Figure:
     simulated
         Whether programs answered; then the figure says so.
     """
+    cells = _told(result)
     width = max(_NARROWEST, _WIDTH_OF_REST + _WIDTH_OF_PAIR * len(result.results))
     figure, (axes,) = new_figure(1, simulated, width=width, height=3.4)
     draw_preferences(axes, result)
-    first, second = result.results[0].names
-    axes.set_title(f"{first} preferred to {second}", loc="left")
-    axes.set_xlabel(", ".join(str(name).replace("_", " ") for name in result.cells.columns))
+    names = {each.names for each in result.results}
+    title = "{} preferred to {}".format(*names.pop()) if len(names) == 1 else "Pairs of items"
+    axes.set_title(title, loc="left")
+    axes.set_xlabel(", ".join(str(name).replace("_", " ") for name in cells.columns))
     # Names of pairs may take several lines: only the layout knows where they end.
     figure.legend(loc="outside lower center", ncols=2)
     return figure
+
+
+def _told(result: Preferences) -> pd.DataFrame:
+    """Return what makes the cells; of one pair of items only what else makes them."""
+    cells = result.cells
+    if "pair" in cells and len(cells.columns) > 1 and len(set(cells["pair"])) == 1:
+        return cells.drop(columns="pair")
+    return cells

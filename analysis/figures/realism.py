@@ -65,10 +65,10 @@ def realism_figure(result: Realism, *, simulated: bool) -> Figure:
     panels = 2 if result.sensitivities else 1
     height = _HEIGHT_OF_REST + _HEIGHT_OF_ROW * len(result.table)
     figure, axes = new_figure(panels, simulated, width=4.3 * panels, height=height, share_y=False)
-    draw_shares(axes[0], result).set_title("Share of answers with 95 % interval", loc="left")
+    draw_shares(axes[0], result).set_title("Share of answers", loc="left")
     if panels == 2:
         draw_sensitivities(axes[1], result)
-        axes[1].set_title("Told from photographs, with 95 % interval", loc="left")
+        axes[1].set_title("Told from photographs", loc="left")
     if len(set(result.table["kind"])) > 1:
         figure.legend(loc="outside lower center", ncols=len(_LABELS))
     return figure

@@ -4,9 +4,12 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from analysis.figures.paired_scale import paired_scale_figure
+from analysis.figures.preference import preferences_figure
 from analysis.figures.score_groups import score_groups_figure
 from analysis.figures.style import SETTINGS
 from analysis.tasks.two_alternative import TwoAlternativeAnalysis
+
+MOST_DRAWN = 12  # pairs in one figure; the table has all
 
 
 @mpl.rc_context(SETTINGS)
@@ -22,4 +25,8 @@ def two_alternative_figures(analysis: TwoAlternativeAnalysis) -> dict[str, Figur
     }
     if groups:
         figures["score-groups"] = score_groups_figure(groups, simulated=analysis.simulated)
+    if len(analysis.preferences.results) <= MOST_DRAWN:
+        figures["preferences"] = preferences_figure(
+            analysis.preferences, simulated=analysis.simulated
+        )
     return figures

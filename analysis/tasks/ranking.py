@@ -210,11 +210,12 @@ def _about(who: str, group: RankingGroup) -> list[str]:
     )
     groups = "; ".join(f"{{{', '.join(items)}}}" for items in summary.comparisons.groups)
     return [
-        f"{who} rank ({group.label}), mean rank with 95 % interval, 1 is best: {order}.",
+        f"{who} give these mean ranks ({group.label}; 1 is best, 95 % intervals): {order}.",
         f"Their orders agree with Kendall's W = {concordance.w:.3f} (p"
         f" {p_text(concordance.p_value)}, {concordance.method}, {summary.participants}"
         " participants).",
-        f"Groups of items whose ranks do not differ significantly ({summary.comparisons.posthoc},"
-        f" alpha {summary.comparisons.alpha:g}): {groups}. Items of one group are not shown to be"
+        "Groups of items whose ranks do not differ significantly"
+        f" ({summary.comparisons.posthoc.capitalize()}'s test, alpha"
+        f" {summary.comparisons.alpha:g}): {groups}. Items of one group are not shown to be"
         " equal.",
     ]

@@ -13,6 +13,7 @@ from analysis.estimates import Estimate
 from analysis.multiplicity import Family, family
 from analysis.naming import p_text
 from analysis.paired import PairedAnalysis, analyse_pairs
+from analysis.preference_pairs import Preferences, item_preferences
 from analysis.study_analysis import Collected, StudyAnalysis
 from analysis.times import AnswerTimes, answer_times
 from experiments.study import Study
@@ -20,6 +21,8 @@ from stimuli.manifest import StimulusSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+_MOST_TOLD = 3  # pairs that the verdict tells one by one
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,10 @@ class TwoAlternativeAnalysis(StudyAnalysis):
         All pairs, then those of each condition.
     agreement_tests
         The tests of agreement of the conditions, corrected for their number; None without any.
+    preferences
+        How often the first of every two items was preferred, tested against one half and against
+        the margin of equivalence that the study declares; of two items alone, in each cell of the
+        conditions.
     first_place
         The share of answers for the image in the first place, with its interval over participants:
         one half if places do not matter.
@@ -62,6 +69,7 @@ class TwoAlternativeAnalysis(StudyAnalysis):
 
     groups: tuple[PairGroup, ...]
     agreement_tests: Family | None
+    preferences: Preferences
     first_place: Estimate
     times: AnswerTimes | None
 
@@ -87,6 +95,7 @@ class TwoAlternativeAnalysis(StudyAnalysis):
             "items": self.overall.items,
             "groups": [{"group": group.label, **vars(group)} for group in self.groups],
             "agreement_tests": self.agreement_tests,
+            "preferences": self.preferences,
             "first_place": self.first_place,
             "times": self.times,
         }
@@ -98,6 +107,7 @@ class TwoAlternativeAnalysis(StudyAnalysis):
             *_about_scale(who, self.overall),
             *_about_agreement(self.overall),
             *_about_groups(self.overall),
+            *_about_preferences(self.preferences),
         ]
         share = self.first_place
         told.append(
@@ -115,6 +125,7 @@ class TwoAlternativeAnalysis(StudyAnalysis):
             "agreement": _collect(self.groups, lambda each: each.agreement),
             "score-groups": _collect(self.groups, lambda each: each.groups),
             "scale": _collect(self.groups, lambda each: each.scale),
+            "preferences": self.preferences.to_frame(),
             "transitivity": _collect(
                 self.groups, lambda each: each.transitivity and each.transitivity.table
             ),
@@ -168,6 +179,12 @@ def analyse(collected: Collected) -> TwoAlternativeAnalysis:
         **vars(collected),
         groups=groups,
         agreement_tests=_agreement_tests(groups[1:]),
+        preferences=item_preferences(
+            table,
+            items,
+            study.stimuli.conditions if len(items) == 2 else (),
+            margin=study.analysis.equivalence_margin,
+        ),
         first_place=_first_place(answered, for_place),
         times=answer_times(answered.assign(every="pair"), ["every"], for_times)
         if answered["reaction_time_s"].notna().any()
@@ -256,6 +273,25 @@ def _about_groups(results: PairedAnalysis) -> list[str]:
         f"Scores that differ by {groups.critical} or more of {groups.largest_difference} differ"
         f" significantly (alpha {groups.alpha:g}); the groups that do not are: {listed}."
         " Items of one group are not shown to be equal."
+    ]
+
+
+def _about_preferences(found: Preferences) -> list[str]:
+    """Tell a few pairs one by one, and how many of many there are of each outcome."""
+    if len(found.results) <= _MOST_TOLD:
+        return found.sentences
+    outcomes = [each.outcome for each in found.results]
+    margin = found.results[0].margin
+    equivalent = (
+        "no margin of equivalence was declared"
+        if margin is None
+        else f"{outcomes.count('equivalent')} are equivalent within the margin of"
+        f" {100 * margin:g} percentage points"
+    )
+    return [
+        f"Of {len(outcomes)} pairs of items {outcomes.count('differs')} differ from one half"
+        f" (Holm's correction, alpha {found.results[0].alpha:g}); {equivalent};"
+        f" {outcomes.count('undecided')} are undecided, which does not show that they are equal."
     ]
 
 

@@ -1,6 +1,6 @@
 """Is it real? Shares of yes, and sensitivity and bias where there are true photographs."""
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -59,8 +59,7 @@ class YesNoAnalysis(StudyAnalysis):
         told = [f"{who} answer yes, with 95 % intervals: {shares}."]
         told += [
             f"Photographs are told from {row['item']} with d' = {row['d_prime']:.2f}"
-            f" [{row['d_prime_low']:.2f}, {row['d_prime_high']:.2f}]; an interval that holds 0"
-            " does not show that they look the same."
+            f" [{row['d_prime_low']:.2f}, {row['d_prime_high']:.2f}]{_caution(row)}."
             for row in self.realism.sensitivity_frame().to_dict("records")
         ]
         if self.times is not None:
@@ -83,6 +82,13 @@ class YesNoAnalysis(StudyAnalysis):
         from analysis.figures.yes_no import yes_no_figures  # they tell of this class
 
         return yes_no_figures(self)
+
+
+def _caution(row: Mapping[Hashable, float]) -> str:
+    """Return what must be said where an interval holds 0."""
+    if row["d_prime_low"] <= 0 <= row["d_prime_high"]:
+        return ", which may be chance; that does not show that they look the same"
+    return ""
 
 
 def trials(responses: pd.DataFrame, study: Study, stimuli: StimulusSet) -> pd.DataFrame:

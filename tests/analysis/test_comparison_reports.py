@@ -71,6 +71,12 @@ def test_the_scale_of_the_pairs_is_that_of_the_observers(pairs: Path) -> None:
 
 
 def test_every_condition_has_consistency_agreement_and_groups(pairs: Path) -> None:
+    found = json.loads((pairs / "results.json").read_text())["preferences"]
+    assert [each["names"] for each in found["results"]] == [
+        ["front", "back"],
+        ["front", "front-back"],
+        ["back", "front-back"],
+    ]
     for name in ("consistency", "agreement", "score-groups", "scale", "transitivity"):
         table = pd.read_csv(pairs / "tables" / f"{name}.csv")
         assert set(table["group"]) == {"all", "material diffuse", "material shiny"}
@@ -106,7 +112,7 @@ def test_rankings_are_ordered_as_the_observers_see_them(
     overall = table[table["group"] == "all"]
     assert overall["item"].tolist() == ["back", "front", "front-back"]
     assert overall["mean"].sum() == pytest.approx(6)
-    assert "Simulated observers, not people, rank (all)" in text
+    assert "Simulated observers, not people, give these mean ranks (all;" in text
     assert "No Plackett-Luce scale: each participant ranked several sets" in text
     tests = pd.read_csv(report / "tables" / "concordance-tests.csv")
     assert set(tests["test"]) == {"material diffuse", "material shiny"}
@@ -165,6 +171,47 @@ def test_one_participant_gets_what_one_can_give(
     text = visible_text((report / "report.html").read_text())
     assert "none: wins: one observer given, agreement needs two or more" in text
     assert not re.search(r"\b(nan|inf|None)\b", text)
+
+
+def two_items(
+    study: Study, folder: Path, qualities: dict[str, float], participants: int, **design: int
+) -> str:
+    """Return what the report of two items says that are compared within a declared margin."""
+    (folder / "set").mkdir()
+    stimuli = draw_set(folder / "set", levels_deg=(30,), placements=tuple(qualities))
+    asked = comparison_study(study, "two-alternative", **design)
+    asked = Study.model_validate(asked.model_dump() | {"analysis": {"equivalence_margin": 0.15}})
+    with Store.open(folder / "answers.sqlite") as store:
+        observer = ItemObserver(qualities, lapse_rate=0.0)
+        generator = np.random.default_rng(8)
+        simulate_comparisons(asked, stimuli, store, observer, participants, generator)
+    analyse(folder / "answers.sqlite", folder / "report")
+    return visible_text((folder / "report" / "report.html").read_text())
+
+
+def test_two_alike_are_equivalent_within_the_declared_margin(study: Study, tmp_path: Path) -> None:
+    # The same images in both places: the truth is one half.
+    text = two_items(study, tmp_path, {"ours": 0.0, "theirs": 0.0}, 30, repeats=10)
+    table = pd.read_csv(tmp_path / "report" / "tables" / "preferences.csv")
+    assert table["material"].tolist() == ["diffuse", "shiny"]
+    assert set(table["outcome"]) == {"equivalent"}
+    assert "diffuse: ours was preferred to theirs in" in text
+    assert "within the margin of 15 percentage points" in text
+    assert "There are no score groups" not in text
+    assert not re.search(r"\b(nan|inf|None)\b", text)
+
+
+def test_few_answers_are_undecided_and_nothing_is_called_equal(
+    study: Study, tmp_path: Path
+) -> None:
+    text = two_items(study, tmp_path, {"ours": 0.1, "theirs": 0.0}, 3)
+    table = pd.read_csv(tmp_path / "report" / "tables" / "preferences.csv")
+    assert set(table["outcome"]) == {"undecided"}
+    assert "neither a difference from one half" in text
+    # Three people and two items: scores cannot differ by as much as R_c asks for.
+    assert "The critical difference cannot be reached" in text
+    assert "not reachable" in text
+    assert not re.search(r"\b(is|are) (equal|equivalent)\b", text)
 
 
 def test_an_empty_study_is_one_line(study: Study, drawn_set: StimulusSet, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from scipy.special import expit
 from statsmodels.genmod.cov_struct import Independence
 
 from algorithms.errors import InputError
-from analysis.effect_sentences import effect_sentences
+from analysis.effect_sentences import dependence_sentence, effect_sentences
 from analysis.effects import hit_effects, odds_effects, time_effects
 from analysis.estimates import to_json
 from analysis.multiplicity import holm
@@ -206,6 +206,7 @@ def test_more_values_than_participants_have_no_test() -> None:
     assert np.isnan(effects.tests["p_value"].item())
     assert effects.family.size == 0
     assert "too few participants for a test" in effect_sentences(effects)[0]
+    assert dependence_sentence(effects).endswith("too few participants to test what it depends on.")
 
 
 def test_what_single_participants_determine_has_no_interval_and_no_test() -> None:
@@ -241,6 +242,19 @@ def test_one_sentence_for_each_factor() -> None:
     assert "by Holm's correction for 3 factors." in sentences[1]
     assert sentences[2].endswith("No difference can be told; that does not show there is none.")
     assert sentences[3] == "Hit rate by extra: only one value, same."
+
+
+def test_one_sentence_for_all_factors() -> None:
+    effects = hit_effects(answers(60, 10, artist_odds=1.2), ("level", "artistic_background", "age"))
+    told = dict(zip(effects.tests["factor"], effects.tests["p_holm"] < 0.05, strict=True))
+    assert told["level"]
+    assert not told["age"]
+    found, not_found = dependence_sentence(effects, {"level": "divergence"}).split("; ")
+    assert found.startswith("Hit rate depends on divergence")
+    assert found.endswith("(p < 0.05 by Holm's correction for 3 factors)")
+    assert "age is found, which does not show that there is none." in not_found
+    assert ("artistic background" in found) == told["artistic_background"]
+    assert ("artistic background" in not_found) != told["artistic_background"]
 
 
 def test_demographics_join_the_answers(study: Study, drawn_set: StimulusSet) -> None:

@@ -12,7 +12,7 @@ from algorithms.errors import InputError
 from analysis.estimates import to_json
 from analysis.multiplicity import holm
 from analysis.preference import Preference, preference
-from analysis.preference_pairs import preferences
+from analysis.preference_pairs import item_preferences, preferences
 from benchmarks.judgements import MARGIN, repeated, sizes_single
 
 
@@ -198,6 +198,29 @@ def test_refuses() -> None:
         preferences(answers().assign(chosen=None), ["light"])
     with pytest.raises(InputError, match="table, by: answers, and one column or more"):
         preferences(answers(), [])
+
+
+def test_every_two_of_some_items_are_tested_under_their_names() -> None:
+    # Worked by hand: b beats a in three of four answers, wherever it stands; c is in one pair only.
+    table = pd.DataFrame(
+        [
+            ("p1", "a", "b", "b"),
+            ("p2", "b", "a", "b"),
+            ("p3", "a", "b", "b"),
+            ("p4", "b", "a", "a"),
+            ("p1", "c", "b", "c"),
+            ("p2", "b", "c", None),
+        ],
+        columns=["participant", "item_a", "item_b", "chosen"],
+    )
+    found = item_preferences(table, ["a", "b", "c"], margin=0.2)
+    assert found.cells["pair"].tolist() == ["a over b", "b over c"]
+    assert [(each.chosen, each.answers) for each in found.results] == [(1, 4), (0, 1)]
+    assert found.results[0].names == ("a", "b")
+    assert found.results[0].tests == 2
+    assert found.sentences[0].startswith("a was preferred to b in 1 of 4 answers")
+    with pytest.raises(InputError, match="table: the column item_a is missing"):
+        item_preferences(table.drop(columns="item_a"), ["a", "b"])
 
 
 def test_p_value_of_one_participant_is_over_the_answers() -> None:
