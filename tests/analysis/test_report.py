@@ -235,7 +235,7 @@ def test_the_same_answers_give_the_same_numbers(
     other.mkdir()
     results["seed"] = 2
     (other / "results.json").write_text(json.dumps(results))
-    seeded = {"hit_rates", "salience", "times", "differences"}
+    seeded = {"verdict", "hit_rates", "salience", "times", "differences"}
     assert set(differences(data, other)) == seeded
     with pytest.raises(InputError, match="there is no report of this Trompe to compare with"):
         differences(data, tmp_path)
