@@ -9,7 +9,7 @@ import typer
 from algorithms.errors import InputError
 
 if TYPE_CHECKING:
-    from analysis.exclusions import Who
+    from analysis.answers.exclusions import Who
 
 # The report's constant, repeated so that the command line starts without matplotlib and scipy.
 _DEFAULT_SEED = 1
@@ -38,8 +38,8 @@ def analyse(
     as_json: Annotated[bool, typer.Option("--json", help="Machine-readable output.")] = False,
 ) -> None:
     """Analyse a study: tables, figures and one report.html that opens without a network."""
-    from analysis.report import RESULTS_NAME, differences
-    from analysis.report import analyse as write_analysis
+    from analysis.report.page import RESULTS_NAME, differences
+    from analysis.report.page import analyse as write_analysis
 
     if check:
         if found := differences(data, out):

@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.bootstrap import Matrix
-from analysis.fixations import Fixations, fixations_by_dispersion, fixations_by_velocity
+from analysis.gaze.fixations import Fixations, fixations_by_dispersion, fixations_by_velocity
 from benchmarks.results import machine, write_result
 
 SEED = 2011

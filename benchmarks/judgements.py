@@ -16,9 +16,9 @@ from scipy import stats
 from scipy.special import ndtri
 
 from analysis.bounded_means import mean_interval, p_above, ratio_of_sums
-from analysis.detection import sensitivity
-from analysis.preference import preference
-from analysis.shares import Binomial, check_answers, share_interval
+from analysis.judgements.detection import sensitivity
+from analysis.judgements.preference import preference
+from analysis.judgements.shares import Binomial, check_answers, share_interval
 from benchmarks.results import machine, write_result
 
 SEED = 2011

@@ -24,7 +24,8 @@ import choix
 import numpy as np
 from scipy import stats
 
-from analysis.agreement import (
+from analysis.bootstrap import Matrix
+from analysis.paired.agreement import (
     agreeing_pairs,
     agreement,
     agreement_p_value,
@@ -33,10 +34,14 @@ from analysis.agreement import (
     large_sample_chi_square,
     pair_wins,
 )
-from analysis.bootstrap import Matrix
-from analysis.consistency import circular_triads, triad_counts, triads_chi_square, triads_p_value
-from analysis.pair_data import Tournaments
-from analysis.scale_fit import (
+from analysis.paired.consistency import (
+    circular_triads,
+    triad_counts,
+    triads_chi_square,
+    triads_p_value,
+)
+from analysis.paired.pair_data import Tournaments
+from analysis.paired.scale_fit import (
     MODELS,
     Model,
     ModelName,
@@ -45,16 +50,16 @@ from analysis.scale_fit import (
     fit_values,
     has_maximum,
 )
-from analysis.scale_intervals import (
+from analysis.paired.scale_intervals import (
     FROM_RESAMPLES,
     INTERVALS,
     interval_of_contrasts,
     resample_observers,
     sandwich,
 )
-from analysis.scaling import RESAMPLES, scale_pairs
-from analysis.score_groups import david_chi_square, score_groups
-from analysis.score_range import (
+from analysis.paired.scaling import RESAMPLES, scale_pairs
+from analysis.paired.score_groups import david_chi_square, score_groups
+from analysis.paired.score_range import (
     critical_difference,
     exact_is_feasible,
     exact_range,

@@ -23,10 +23,10 @@ from scipy import stats
 from algorithms.errors import InputError
 from analysis.bootstrap import Matrix, bootstrap_means
 from analysis.bounded_means import mean_interval
-from analysis.friedman import concordance, exact_p_value
-from analysis.plackett_luce import plackett_luce
-from analysis.rank_comparisons import critical_difference, p_conover
-from analysis.ranking import normal_fit
+from analysis.ranking.comparisons import critical_difference, p_conover
+from analysis.ranking.friedman import concordance, exact_p_value
+from analysis.ranking.mean_ranks import normal_fit
+from analysis.ranking.plackett_luce import plackett_luce
 from benchmarks.results import machine, write_result
 
 SEED = 2011

@@ -22,11 +22,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from analysis.answers.trials import trial_table
 from analysis.bootstrap import Matrix, sum_by_participant
 from analysis.estimates import Estimate, to_json
-from analysis.over_participants import participant_interval
-from analysis.thresholds import GRID_STEPS, fit_threshold
-from analysis.trials import trial_table
+from analysis.thresholds.bayesian_fit import GRID_STEPS, fit_threshold
+from analysis.thresholds.over_participants import participant_interval
 from experiments.observers import Observer, psychometric_function, simulate_responses
 from experiments.study import load_study
 from stimuli.manifest import StimulusSet, load

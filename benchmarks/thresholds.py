@@ -26,19 +26,19 @@ import statsmodels.api as sm
 from numpy.typing import NDArray
 from statsmodels.genmod.cov_struct import Exchangeable
 
-from analysis.clustered_regression import Kind, clustered_regression
-from analysis.condition_differences import condition_differences
-from analysis.effects import hit_effects, time_effects
-from analysis.factors import Design, design_of
-from analysis.groups import group_thresholds
-from analysis.hits import hit_rates
-from analysis.maximum_likelihood import maximum_likelihood
-from analysis.observer_bootstrap import fit_observers
-from analysis.over_participants import participant_interval
-from analysis.salience import object_salience
-from analysis.sigmoid import WIDTH_IN_SIGMAS, rate_at
-from analysis.threshold_difference import threshold_difference
-from analysis.thresholds import fit_threshold
+from analysis.rates.clustered_regression import Kind, clustered_regression
+from analysis.rates.effects import hit_effects, time_effects
+from analysis.rates.factors import Design, design_of
+from analysis.rates.hits import hit_rates
+from analysis.rates.salience import object_salience
+from analysis.thresholds.bayesian_fit import fit_threshold
+from analysis.thresholds.by_condition import group_thresholds
+from analysis.thresholds.condition_differences import condition_differences
+from analysis.thresholds.maximum_likelihood import maximum_likelihood
+from analysis.thresholds.observer_bootstrap import fit_observers
+from analysis.thresholds.over_participants import participant_interval
+from analysis.thresholds.sigmoid import WIDTH_IN_SIGMAS, rate_at
+from analysis.thresholds.threshold_difference import threshold_difference
 from benchmarks.results import machine, write_result
 
 THRESHOLD, WIDTH, LAPSE_RATE, GUESS_RATE = 25.0, 30.0, 0.02, 1 / 8

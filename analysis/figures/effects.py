@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from analysis.effects import TIME, Effects
 from analysis.figures.style import CHANCE_COLOUR, COLOURS, MARKERS, new_figure
+from analysis.rates.effects import TIME, Effects
 
 _ROW_INCHES = 0.28
 _HEADING_INCHES = 1.15

@@ -19,8 +19,8 @@ from analysis.figures.style import (
     legend_below,
     new_figure,
 )
-from analysis.gaze import DwellRatios
-from analysis.heat_map import HeatMap
+from analysis.gaze.heat_map import HeatMap
+from analysis.gaze.looking_times import DwellRatios
 
 _MAP = "inferno"
 _STRONGEST = 0.75  # opacity at the peak: the picture stays in sight
@@ -41,7 +41,7 @@ def draw_heat_map(axes: Axes, picture: NDArray[Any], heat: HeatMap) -> Axes:
         As displayed: shape (height, width, 3) or (height, width), integers 0 to 255 or floats 0
         to 1.
     heat
-        As from `analysis.heat_map.heat_map`, of the picture's size.
+        As from `analysis.heat_map`, of the picture's size.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def draw_dwell_ratios(axes: Axes, results: Mapping[str, DwellRatios], level: str
     axes
         Where.
     results
-        As from `analysis.gaze.dwell_ratios`, by the name of the region (such as `target`).
+        As from `analysis.dwell_ratios`, by the name of the region (such as `target`).
     level
         The column of their tables that is the abscissa.
     """

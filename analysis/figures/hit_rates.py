@@ -12,7 +12,7 @@ from analysis.figures.style import (
     new_figure,
     split_by,
 )
-from analysis.tasks.odd_one_out import OddOneOutAnalysis
+from analysis.report.tasks.odd_one_out import OddOneOutAnalysis
 
 _OFFSET_SHARE = 0.06  # of the step between levels: intervals of two series stay legible
 
@@ -25,7 +25,7 @@ def draw_hit_rates(axes: Axes, table: pd.DataFrame, series: str | None, guess_ra
     axes
         Where.
     table
-        Rows of `analysis.hits.HitRates.table`.
+        Rows of `analysis.HitRates.table`.
     series
         The factor that makes the lines, or None.
     guess_rate

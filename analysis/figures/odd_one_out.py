@@ -12,7 +12,7 @@ from analysis.figures.threshold_differences import differences_figure
 from analysis.figures.threshold_ranges import threshold_figure
 from analysis.figures.times import times_figure
 from analysis.naming import level_name
-from analysis.tasks.odd_one_out import OddOneOutAnalysis
+from analysis.report.tasks.odd_one_out import OddOneOutAnalysis
 
 UNITS = {"age": "years"}
 

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analysis.figures.style import CHANCE_COLOUR, COLOURS, new_figure
-from analysis.scaling import PairScale
+from analysis.paired.scaling import PairScale
 
 _HEIGHT_OF_ITEM = 0.3  # inches
 _HEIGHT_OF_REST = 1.15

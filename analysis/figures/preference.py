@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analysis.figures.style import CHANCE_COLOUR, COLOURS, new_figure
-from analysis.preference import HALF, Outcome
-from analysis.preference_pairs import Preferences
+from analysis.judgements.preference import HALF, Outcome
+from analysis.judgements.preference_pairs import Preferences
 
 _OUTCOMES: dict[Outcome, tuple[str, str]] = {
     "differs": (COLOURS[1], "differs from one half"),
@@ -29,7 +29,7 @@ def draw_preferences(axes: Axes, result: Preferences) -> Axes:
     axes
         Where.
     result
-        As from `analysis.preference_pairs.preferences`.
+        As from `analysis.preferences`.
     """
     margin = result.results[0].margin
     if margin is not None:
@@ -73,7 +73,7 @@ def preferences_figure(result: Preferences, *, simulated: bool) -> Figure:
     Parameters
     ----------
     result
-        As from `analysis.preference_pairs.preferences`.
+        As from `analysis.preferences`.
     simulated
         Whether programs answered; then the figure says so.
     """

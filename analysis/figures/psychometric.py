@@ -13,8 +13,8 @@ from analysis.figures.style import (
     level_label,
     new_figure,
 )
-from analysis.tasks.odd_one_out import OddOneOutAnalysis
-from analysis.thresholds import ThresholdFit
+from analysis.report.tasks.odd_one_out import OddOneOutAnalysis
+from analysis.thresholds.bayesian_fit import ThresholdFit
 
 _CURVE_POINTS = 400
 
@@ -31,7 +31,7 @@ def draw_psychometric(
     fit
         The function; where it has no threshold within the levels only the rates are drawn.
     hits
-        Rows of `analysis.hits.HitRates.table`, one a level.
+        Rows of `analysis.HitRates.table`, one a level.
     unit
         Of the levels, for the legend.
     number

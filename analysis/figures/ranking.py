@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import blended_transform_factory
 
 from analysis.figures.style import CHANCE_COLOUR, COLOURS, legend_below, new_figure
-from analysis.plackett_luce import PlackettLuceScale
-from analysis.ranking import RankSummary
+from analysis.ranking.mean_ranks import RankSummary
+from analysis.ranking.plackett_luce import PlackettLuceScale
 
 _HEIGHT_OF_ITEM = 0.3  # inches
 _HEIGHT_OF_REST = 1.45
@@ -103,7 +103,7 @@ def worths_figure(scale: PlackettLuceScale, *, simulated: bool) -> Figure:
     Parameters
     ----------
     scale
-        As from `analysis.plackett_luce.plackett_luce`.
+        As from `analysis.plackett_luce`.
     simulated
         Whether programs ranked; then the figure says so.
     """

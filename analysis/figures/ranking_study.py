@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from analysis.figures.ranking import mean_ranks_figure, worths_figure
 from analysis.figures.style import SETTINGS
-from analysis.tasks.ranking import RankingAnalysis
+from analysis.report.tasks.ranking import RankingAnalysis
 
 
 @mpl.rc_context(SETTINGS)

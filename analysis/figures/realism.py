@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analysis.figures.style import CHANCE_COLOUR, COLOURS, MARKERS, new_figure
-from analysis.realism import PHOTOGRAPH, PROCESSED, UNTOLD, Realism
+from analysis.judgements.realism import PHOTOGRAPH, PROCESSED, UNTOLD, Realism
 
 _LABELS = {PHOTOGRAPH: "photographs", PROCESSED: "processed images", UNTOLD: "images"}
 _HEIGHT_OF_ROW, _HEIGHT_OF_REST = 0.3, 1.35  # inches
@@ -20,7 +20,7 @@ def draw_shares(axes: Axes, result: Realism) -> Axes:
     axes
         Where; rows from top to bottom.
     result
-        As from `analysis.realism.realism`.
+        As from `analysis.realism`.
     """
     names = _names(result.table, result.by)
     for number, (kind, label) in enumerate(_LABELS.items()):
@@ -58,7 +58,7 @@ def realism_figure(result: Realism, *, simulated: bool) -> Figure:
     Parameters
     ----------
     result
-        As from `analysis.realism.realism`.
+        As from `analysis.realism`.
     simulated
         Whether programs answered; then the figure says so.
     """

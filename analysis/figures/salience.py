@@ -14,8 +14,8 @@ from analysis.figures.style import (
     new_figure,
     split_by,
 )
-from analysis.salience import Salience
-from analysis.tasks.odd_one_out import OddOneOutAnalysis
+from analysis.rates.salience import Salience
+from analysis.report.tasks.odd_one_out import OddOneOutAnalysis
 
 
 def draw_choices(axes: Axes, choices: pd.DataFrame, series: str | None, chance: float) -> Axes:

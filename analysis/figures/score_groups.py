@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analysis.figures.style import COLOURS, new_figure
-from analysis.score_groups import ScoreGroups
+from analysis.paired.score_groups import ScoreGroups
 
 _SCORE_ROW, _GROUP_STEP = 0.75, 0.42
 _LINE_BEYOND = 0.38  # of the step between items: a line reaches over its first and last item

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.condition_differences import ConditionDifferences
 from analysis.figures.style import CHANCE_COLOUR, COLOURS, MARKERS, new_figure
+from analysis.thresholds.condition_differences import ConditionDifferences
 
 _ROW_INCHES = 0.3
 _HEADING_INCHES = 1.25

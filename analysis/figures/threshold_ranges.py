@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analysis.figures.style import COLOURS, MARKERS, legend_below, level_label, new_figure
-from analysis.groups import GroupThreshold
-from analysis.tasks.odd_one_out import OddOneOutAnalysis
+from analysis.report.tasks.odd_one_out import OddOneOutAnalysis
+from analysis.thresholds.by_condition import GroupThreshold
 
 _HALF_GAP = 0.16  # between the two marks of a group, in rows
 

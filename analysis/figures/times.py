@@ -11,8 +11,8 @@ from analysis.figures.style import (
     new_figure,
     split_by,
 )
-from analysis.tasks.odd_one_out import OddOneOutAnalysis
-from analysis.times import AnswerTimes
+from analysis.rates.times import AnswerTimes
+from analysis.report.tasks.odd_one_out import OddOneOutAnalysis
 
 
 def draw_times(axes: Axes, times: AnswerTimes) -> Axes:

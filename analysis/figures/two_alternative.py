@@ -7,7 +7,7 @@ from analysis.figures.paired_scale import paired_scale_figure
 from analysis.figures.preference import preferences_figure
 from analysis.figures.score_groups import score_groups_figure
 from analysis.figures.style import SETTINGS
-from analysis.tasks.two_alternative import TwoAlternativeAnalysis
+from analysis.report.tasks.two_alternative import TwoAlternativeAnalysis
 
 MOST_DRAWN = 12  # pairs in one figure; the table has all
 

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from analysis.figures.realism import realism_figure
 from analysis.figures.style import SETTINGS
-from analysis.tasks.yes_no import YesNoAnalysis
+from analysis.report.tasks.yes_no import YesNoAnalysis
 
 
 @mpl.rc_context(SETTINGS)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from algorithms.errors import InputError
-from analysis.agreement import (
+from analysis.paired.agreement import (
     Agreement,
     agreeing_pairs,
     agreement,
@@ -21,7 +21,7 @@ from analysis.agreement import (
     pair_wins,
     smallest_agreement,
 )
-from analysis.item_permutations import (
+from analysis.paired.item_permutations import (
     enough_permutations,
     monte_carlo_p_value,
     permuted_pair_wins,

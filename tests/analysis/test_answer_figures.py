@@ -15,12 +15,12 @@ from analysis.figures.preference import preferences_figure
 from analysis.figures.ranking import mean_ranks_figure, worths_figure
 from analysis.figures.realism import realism_figure
 from analysis.figures.style import SIMULATED_TEXT, figure_bytes, new_figure
-from analysis.gaze import DwellRatios, dwell_ratios
-from analysis.heat_map import HeatMap, heat_map
-from analysis.plackett_luce import PlackettLuceScale, plackett_luce
-from analysis.preference_pairs import Preferences, preferences
-from analysis.ranking import RankSummary, rank_summary
-from analysis.realism import Realism, realism
+from analysis.gaze.heat_map import HeatMap, heat_map
+from analysis.gaze.looking_times import DwellRatios, dwell_ratios
+from analysis.judgements.preference_pairs import Preferences, preferences
+from analysis.judgements.realism import Realism, realism
+from analysis.ranking.mean_ranks import RankSummary, rank_summary
+from analysis.ranking.plackett_luce import PlackettLuceScale, plackett_luce
 from benchmarks.ranking import LOG_WORTHS, draw_rankings
 
 NAMES = ("vase a", "vase b", "vase c", "vase d", "vase e")

@@ -5,7 +5,10 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from algorithms.errors import InputError
-from analysis.chance import largest_level_at_chance, largest_level_at_chance_by_participant
+from analysis.thresholds.chance import (
+    largest_level_at_chance,
+    largest_level_at_chance_by_participant,
+)
 
 LEVELS = (10.0, 20.0, 30.0, 40.0)
 GUESS_RATE = 1 / 8

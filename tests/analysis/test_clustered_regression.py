@@ -7,7 +7,7 @@ from scipy.special import expit
 from statsmodels.genmod.cov_struct import Independence
 
 from algorithms.errors import InputError
-from analysis.clustered_regression import ClusteredRegression, Kind, clustered_regression
+from analysis.rates.clustered_regression import ClusteredRegression, Kind, clustered_regression
 
 Floats = NDArray[np.float64]
 Clusters = NDArray[np.intp]

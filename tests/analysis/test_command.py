@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from algorithms.errors import InputError
 from analysis.cli import analyse
-from analysis.report import DEFAULT_SEED
+from analysis.report.page import DEFAULT_SEED
 from experiments.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from algorithms.errors import InputError
-from analysis.report import analyse, differences
+from analysis.report.page import analyse, differences
 from experiments.item_observers import (
     NOISE_OF_A_DIFFERENCE,
     ItemObserver,

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from algorithms.errors import InputError
-from analysis.comparison_tables import item_names, judgement_table, pair_table, rank_table
+from analysis.answers.comparison_tables import item_names, judgement_table, pair_table, rank_table
 from experiments.item_observers import ItemObserver, simulate_comparisons
 from experiments.responses import responses_frame
 from experiments.store import Store

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from algorithms.errors import InputError
-from analysis.consistency import (
+from analysis.paired.consistency import (
     chance_zeta,
     circular_triads,
     consistency,

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.special import ndtr, ndtri
 
 from algorithms.errors import InputError
-from analysis.detection import sensitivity
 from analysis.estimates import to_json
+from analysis.judgements.detection import sensitivity
 from benchmarks.judgements import covered_d_prime
 
 

@@ -5,12 +5,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.condition_differences import ConditionDifferences, condition_differences
-from analysis.effects import Effects, hit_effects, time_effects
 from analysis.estimates import Estimate
 from analysis.figures.effects import effects_figure
 from analysis.figures.style import SIMULATED_TEXT, figure_bytes
 from analysis.figures.threshold_differences import differences_figure
+from analysis.rates.effects import Effects, hit_effects, time_effects
+from analysis.thresholds.condition_differences import ConditionDifferences, condition_differences
 from benchmarks.thresholds import study
 
 FACTORS = ("level", "placement", "gender")

@@ -9,12 +9,12 @@ from scipy.special import expit
 from statsmodels.genmod.cov_struct import Independence
 
 from algorithms.errors import InputError
-from analysis.effect_sentences import dependence_sentence, effect_sentences
-from analysis.effects import hit_effects, odds_effects, time_effects
+from analysis.answers.participants import join_demographics
+from analysis.answers.trials import trial_table
 from analysis.estimates import to_json
 from analysis.multiplicity import holm
-from analysis.participants import join_demographics
-from analysis.trials import trial_table
+from analysis.rates.effect_sentences import dependence_sentence, effect_sentences
+from analysis.rates.effects import hit_effects, odds_effects, time_effects
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.analysis.answers import rows_of, sessions_of

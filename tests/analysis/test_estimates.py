@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from analysis.estimates import Estimate, seed_of, to_json
-from analysis.verdict import in_levels
+from analysis.report.verdict import in_levels
 
 
 def test_json_has_no_number_that_json_lacks() -> None:
@@ -40,12 +40,3 @@ def test_results_know_the_seed_of_spawned_generators() -> None:
 )
 def test_levels_in_words(estimate: Estimate, expected: str) -> None:
     assert in_levels(estimate, "deg") == expected
-
-
-def test_names_are_found_where_the_package_promises_them() -> None:
-    import analysis
-
-    for name in analysis.__all__:
-        assert callable(getattr(analysis, name)), name
-    with pytest.raises(AttributeError, match="'analysis' has no attribute 'fit_treshold'"):
-        analysis.fit_treshold  # type: ignore[attr-defined]  # noqa: B018

@@ -3,9 +3,9 @@ import pandas as pd
 import pytest
 
 from algorithms.errors import InputError
-from analysis.exclusions import apply_rule, describe_rule, exclude, select_sessions
-from analysis.study_analysis import analyse_study
-from analysis.trials import trial_table
+from analysis.answers.exclusions import apply_rule, describe_rule, exclude, select_sessions
+from analysis.answers.trials import trial_table
+from analysis.report.study_analysis import analyse_study
 from experiments.responses import Event
 from experiments.study import Exclusion, Study
 from stimuli.manifest import StimulusSet

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from analysis.figures.style import SIMULATED_TEXT, figure_bytes
-from analysis.study_analysis import StudyAnalysis, analyse_study
+from analysis.report.study_analysis import StudyAnalysis, analyse_study
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.analysis.answers import responses_of, rows_of, sessions_of

@@ -8,17 +8,17 @@ from scipy.signal import savgol_filter
 from algorithms.errors import InputError
 from analysis.bootstrap import Matrix
 from analysis.bounded_means import Flags
-from analysis.fixations import (
+from analysis.gaze.fixations import (
     fixations_by_dispersion,
     fixations_by_velocity,
 )
-from analysis.gaze_samples import (
+from analysis.gaze.resting_gaze import boxes, speed_deg_s
+from analysis.gaze.samples import (
     Track,
     image_coordinates,
     pixels_per_degree,
     regular_tracks,
 )
-from analysis.resting_gaze import boxes, speed_deg_s
 from benchmarks.gaze import METHODS, PIXELS_PER_DEGREE, found_again, recovered, scan_path
 from experiments.lab.geometry import Area, fit
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from analysis.bootstrap import Matrix
-from analysis.friedman import concordance, exact_p_value, friedman
+from analysis.ranking.friedman import concordance, exact_p_value, friedman
 from tests.analysis.rankings import DIURETICS, RUNNERS
 
 

@@ -6,9 +6,9 @@ import pytest
 
 from algorithms.errors import InputError
 from analysis.bootstrap import Matrix
-from analysis.fixations import Fixations
-from analysis.gaze import dwell_ratios, dwell_times, saccades
-from analysis.heat_map import heat_map
+from analysis.gaze.fixations import Fixations
+from analysis.gaze.heat_map import heat_map
+from analysis.gaze.looking_times import dwell_ratios, dwell_times, saccades
 from benchmarks.gaze import IMAGE_DEG, METHODS, PIXELS_PER_DEGREE, scan_path
 
 REGIONS = np.zeros((60, 100), dtype=np.uint8)

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from algorithms.errors import InputError
-from analysis.gaze_over_set import GazeAnalysis, analyse_gaze
+from analysis.gaze.over_set import GazeAnalysis, analyse_gaze
 from stimuli.manifest import StimulusSet
 from tests.drawn_set import draw_set
 

@@ -6,10 +6,10 @@ from scipy import optimize, stats
 from scipy.special import ndtr, ndtri, xlog1py, xlogy
 
 from algorithms.errors import InputError
-from analysis.likelihood_climb import LAPSE_POWER, Problem
-from analysis.maximum_likelihood import maximum_likelihood
-from analysis.sigmoid import rate_at
-from analysis.thresholds import fit_threshold
+from analysis.thresholds.bayesian_fit import fit_threshold
+from analysis.thresholds.likelihood_climb import LAPSE_POWER, Problem
+from analysis.thresholds.maximum_likelihood import maximum_likelihood
+from analysis.thresholds.sigmoid import rate_at
 
 LEVELS = np.arange(10.0, 91.0, 10.0)
 GUESS_RATE = 1 / 8

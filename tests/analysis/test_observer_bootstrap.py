@@ -4,11 +4,11 @@ from numpy.typing import NDArray
 
 from algorithms.errors import InputError
 from analysis.estimates import to_json
-from analysis.maximum_likelihood import maximum_likelihood
-from analysis.observer_bootstrap import fit_observers, interval_of
-from analysis.over_participants import participant_interval
-from analysis.sigmoid import rate_at
-from analysis.thresholds import fit_threshold
+from analysis.thresholds.bayesian_fit import fit_threshold
+from analysis.thresholds.maximum_likelihood import maximum_likelihood
+from analysis.thresholds.observer_bootstrap import fit_observers, interval_of
+from analysis.thresholds.over_participants import participant_interval
+from analysis.thresholds.sigmoid import rate_at
 
 LEVELS = np.arange(10.0, 91.0, 10.0)
 GUESS_RATE = 1 / 8

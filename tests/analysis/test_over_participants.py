@@ -5,9 +5,9 @@ from scipy import optimize, stats
 from scipy.special import ndtr, ndtri
 
 from algorithms.errors import InputError
-from analysis.observer_bootstrap import fit_observers
-from analysis.over_participants import participant_interval
-from analysis.thresholds import ThresholdFit, fit_threshold
+from analysis.thresholds.bayesian_fit import ThresholdFit, fit_threshold
+from analysis.thresholds.observer_bootstrap import fit_observers
+from analysis.thresholds.over_participants import participant_interval
 
 LEVELS = np.arange(10.0, 91.0, 10.0)
 GUESS_RATE = 1 / 8

@@ -3,7 +3,13 @@ import pandas as pd
 import pytest
 
 from algorithms.errors import InputError
-from analysis.pair_data import complete_tournaments, item_names, pair_counts, pair_data, tournaments
+from analysis.paired.pair_data import (
+    complete_tournaments,
+    item_names,
+    pair_counts,
+    pair_data,
+    tournaments,
+)
 
 ORDER = [[0, 1, 1], [0, 0, 1], [0, 0, 0]]
 

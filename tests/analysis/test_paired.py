@@ -6,12 +6,12 @@ import pandas as pd
 import pytest
 
 from algorithms.errors import InputError
-from analysis.agreement import agreement, agreement_over
-from analysis.agreement_table import PUBLISHED, agreement_table, published_agreement
-from analysis.consistency import group_consistency
 from analysis.estimates import to_json
-from analysis.paired import analyse_pairs
-from analysis.score_groups import score_groups
+from analysis.paired.agreement import agreement, agreement_over
+from analysis.paired.agreement_table import PUBLISHED, agreement_table, published_agreement
+from analysis.paired.consistency import group_consistency
+from analysis.paired.every_result import analyse_pairs
+from analysis.paired.score_groups import score_groups
 
 SCENES, ANGLES = ("bull", "skull"), (0, 60)
 ITEMS = ("ours", "photon", "silhouette")

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from analysis.scale_fit import MODELS
-from analysis.score_range import critical_difference, exact_range
+from analysis.paired.scale_fit import MODELS
+from analysis.paired.score_range import critical_difference, exact_range
 from benchmarks.paired import (
     Population,
     agreement_sizes,

@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 from analysis.figures.paired_scale import paired_scale_figure
 from analysis.figures.score_groups import score_groups_figure
 from analysis.figures.style import SETTINGS, SIMULATED_TEXT, figure_bytes
-from analysis.scaling import PairScale, scale_pairs
-from analysis.score_groups import ScoreGroups, score_groups
+from analysis.paired.scaling import PairScale, scale_pairs
+from analysis.paired.score_groups import ScoreGroups, score_groups
 from tests.analysis.published_pairs import TASTE
 
 ITEMS = ["phase symmetry", "photon mapping", "silhouette", "nothing"]

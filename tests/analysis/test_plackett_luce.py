@@ -9,7 +9,7 @@ from algorithms.errors import InputError
 from analysis.bootstrap import Matrix
 from analysis.bounded_means import Flags
 from analysis.estimates import to_json
-from analysis.plackett_luce import PlackettLuceScale, plackett_luce
+from analysis.ranking.plackett_luce import PlackettLuceScale, plackett_luce
 from benchmarks.ranking import LOG_WORTHS, covered_scale, draw_rankings
 
 

@@ -10,9 +10,9 @@ from statsmodels.stats.proportion import binom_test, binom_tost
 
 from algorithms.errors import InputError
 from analysis.estimates import to_json
+from analysis.judgements.preference import Preference, preference
+from analysis.judgements.preference_pairs import item_preferences, preferences
 from analysis.multiplicity import holm
-from analysis.preference import Preference, preference
-from analysis.preference_pairs import item_preferences, preferences
 from benchmarks.judgements import MARGIN, repeated, sizes_single
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from psignifit._priors import default_prior
 
-from analysis.priors import default_priors
+from analysis.thresholds.priors import default_priors
 
 
 @pytest.mark.parametrize("name", ["threshold", "width", "lambda", "eta"])

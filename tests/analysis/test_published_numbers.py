@@ -4,8 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from algorithms.errors import InputError
-from analysis.published_numbers import check_mean_ranks, possible_numbers
-from analysis.ranking import normal_fit
+from analysis.ranking.mean_ranks import normal_fit
+from analysis.ranking.published_numbers import check_mean_ranks, possible_numbers
 
 # Lopez-Moreno 2011, tables 7.4 and 7.5.
 VASE = [3.759, 1.931, 4.701, 2.931, 1.828]

@@ -9,14 +9,14 @@ from scipy import stats
 
 from algorithms.errors import InputError
 from analysis.bootstrap import Matrix
-from analysis.rank_comparisons import (
+from analysis.ranking.comparisons import (
     compare_ranks,
     critical_difference,
     maximal_runs,
     p_conover,
     p_nemenyi,
 )
-from analysis.ranks import Rankings, check_ranks
+from analysis.ranking.ranks import Rankings, check_ranks
 from tests.analysis.rankings import DIURETICS, RUNNERS
 
 # Sachs 1997, p. 675, as R's PMCMRplus prints Nemenyi's p-values (lower triangle by row).

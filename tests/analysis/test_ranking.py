@@ -7,9 +7,9 @@ from statsmodels.stats.weightstats import DescrStatsW
 from algorithms.errors import InputError
 from analysis.bootstrap import Matrix
 from analysis.estimates import to_json
-from analysis.friedman import friedman
-from analysis.ranking import normal_fit, rank_summary
-from analysis.ranks import check_ranks
+from analysis.ranking.friedman import friedman
+from analysis.ranking.mean_ranks import normal_fit, rank_summary
+from analysis.ranking.ranks import check_ranks
 from benchmarks.ranking import (
     LOG_WORTHS,
     covered_mean_ranks,

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from algorithms.errors import InputError
-from analysis.ranks import check_ranks, ranks_of_orders
+from analysis.ranking.ranks import check_ranks, ranks_of_orders
 
 NAN = float("nan")
 

@@ -4,13 +4,13 @@ import pytest
 from scipy import stats
 
 from algorithms.errors import InputError
+from analysis.answers.trials import trial_table
 from analysis.bootstrap import Sums
-from analysis.hits import hit_rates
 from analysis.multiplicity import holm
-from analysis.rate_tests import rates_above
-from analysis.salience import object_salience
-from analysis.times import answer_times
-from analysis.trials import trial_table
+from analysis.rates.hits import hit_rates
+from analysis.rates.salience import object_salience
+from analysis.rates.times import answer_times
+from analysis.thresholds.rate_tests import rates_above
 from experiments.observers import Observer, psychometric_function
 from experiments.study import Study
 from stimuli.manifest import StimulusSet

@@ -4,9 +4,9 @@ import pytest
 from scipy import stats
 
 from algorithms.errors import InputError
-from analysis.detection import sensitivity
 from analysis.estimates import to_json
-from analysis.realism import realism
+from analysis.judgements.detection import sensitivity
+from analysis.judgements.realism import realism
 
 
 @pytest.fixture

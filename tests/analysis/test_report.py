@@ -11,10 +11,10 @@ import pytest
 
 import trompe
 from algorithms.errors import InputError
-from analysis.report import analyse, differences, write_report
-from analysis.study_analysis import StudyAnalysis, analyse_study
-from analysis.tables import study_tables
-from analysis.tasks.odd_one_out import OddOneOutAnalysis
+from analysis.report.page import analyse, differences, write_report
+from analysis.report.study_analysis import StudyAnalysis, analyse_study
+from analysis.report.tables import study_tables
+from analysis.report.tasks.odd_one_out import OddOneOutAnalysis
 from experiments.collection import load_collection, write_bundle
 from experiments.store import Store
 from experiments.study import Study

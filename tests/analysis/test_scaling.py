@@ -9,7 +9,7 @@ from scipy.special import expit, ndtr, ndtri
 
 from algorithms.errors import InputError
 from analysis.estimates import to_json
-from analysis.scale_fit import (
+from analysis.paired.scale_fit import (
     MODELS,
     ModelName,
     differences,
@@ -19,8 +19,8 @@ from analysis.scale_fit import (
     log_likelihood,
     score,
 )
-from analysis.scale_intervals import INTERVALS, IntervalKind, sandwich
-from analysis.scaling import scale_pairs
+from analysis.paired.scale_intervals import INTERVALS, IntervalKind, sandwich
+from analysis.paired.scaling import scale_pairs
 from tests.analysis.published_pairs import (
     BASEBALL,
     CELEBRITIES,

@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from algorithms.errors import InputError
-from analysis.score_groups import (
+from analysis.paired.score_groups import (
     david_chi_square,
     group_scores,
     score_groups,
     underlined,
     underlined_table,
 )
-from analysis.score_range import (
+from analysis.paired.score_range import (
     RangeDistribution,
     critical_difference,
     exact_is_feasible,

@@ -5,7 +5,7 @@ from statsmodels.stats.proportion import proportion_confint
 
 from algorithms.errors import InputError
 from analysis.bootstrap import sum_by_participant
-from analysis.shares import Binomial, check_answers, share_interval, share_table
+from analysis.judgements.shares import Binomial, check_answers, share_interval, share_table
 
 NAN = float("nan")
 

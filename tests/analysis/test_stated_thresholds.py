@@ -13,9 +13,9 @@ from scipy.special import xlog1py, xlogy
 
 from algorithms.errors import InputError
 from analysis.estimates import to_json
-from analysis.posterior import Distribution
-from analysis.sigmoid import WIDTH_IN_SIGMAS, distance_to, rate_at, slope_at_threshold
-from analysis.thresholds import ThresholdFit, fit_threshold
+from analysis.thresholds.bayesian_fit import ThresholdFit, fit_threshold
+from analysis.thresholds.posterior import Distribution
+from analysis.thresholds.sigmoid import WIDTH_IN_SIGMAS, distance_to, rate_at, slope_at_threshold
 
 LEVELS = np.arange(10.0, 91.0, 10.0)
 GUESS_RATE = 1 / 8

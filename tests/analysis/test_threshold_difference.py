@@ -4,17 +4,17 @@ import pytest
 from numpy.typing import NDArray
 
 from algorithms.errors import InputError
-from analysis.condition_differences import condition_differences
-from analysis.effect_sentences import difference_sentences
+from analysis.answers.trials import trial_table
 from analysis.multiplicity import holm
-from analysis.sigmoid import rate_at
-from analysis.threshold_difference import (
+from analysis.rates.effect_sentences import difference_sentences
+from analysis.thresholds.bayesian_fit import ThresholdFit, fit_threshold
+from analysis.thresholds.condition_differences import condition_differences
+from analysis.thresholds.sigmoid import rate_at
+from analysis.thresholds.threshold_difference import (
     ThresholdDifference,
     posterior_difference,
     threshold_difference,
 )
-from analysis.thresholds import ThresholdFit, fit_threshold
-from analysis.trials import trial_table
 from experiments.observers import Observer
 from experiments.study import Study
 from stimuli.manifest import StimulusSet

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy import optimize, stats
 
 from algorithms.errors import InputError
-from analysis.thresholds import ThresholdFit, fit_threshold
+from analysis.thresholds.bayesian_fit import ThresholdFit, fit_threshold
 
 LEVELS = np.arange(10.0, 91.0, 10.0)
 GUESS_RATE = 1 / 8

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.sigmoid import rate_at
+from analysis.thresholds.sigmoid import rate_at
 from benchmarks.thresholds import Row, covered, different, rejected, stated_threshold
 
 REPETITIONS = 40

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from algorithms.errors import InputError
-from analysis.scale_fit import MODELS, Model, differences
-from analysis.transitivity import KINDS, transitivity
+from analysis.paired.scale_fit import MODELS, Model, differences
+from analysis.paired.transitivity import KINDS, transitivity
 from tests.analysis.published_pairs import CELEBRITIES, DOG
 
 

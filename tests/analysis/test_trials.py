@@ -3,7 +3,7 @@ import pandas as pd
 import pytest
 
 from algorithms.errors import InputError
-from analysis.trials import trial_table
+from analysis.answers.trials import trial_table
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.analysis.answers import rows_of

@@ -1,0 +1,1 @@
+"""Judgements: which of two is preferred, and whether an image is taken for real."""
