@@ -1,0 +1,87 @@
+"""Light-source fitting: as few lights as explain the outline and the interior, all fitted together.
+
+Lopez-Moreno 2011, sec. 3.6.2, with sounder steps in the place of some printed ones, which
+`algorithms.lights.printed` keeps for comparison. Lights are added one by one; each time all of them
+move together over outline and interior, with a loss that outliers do not rule, instead of the last
+one alone, along the outline, at a fixed maximum. Azimuth and elevation come out of one fit.
+"""
+
+from typing import Final
+
+import numpy as np
+
+from algorithms.lights.shading import Shading, Sources, predict, refine, robust
+from algorithms.lights.starts import starting_points
+
+LEAST_APART_DEG: Final = 40.0
+"""Lights whose azimuths are closer than this are not told apart: two at one azimuth look like one
+on an object that is flatter or deeper than its outline suggests."""
+
+WEAKEST: Final = 0.15
+"""A light weaker than this, as a share of the strongest, counts as ambient."""
+
+MOST_LIGHTS: Final = 4
+LEAST_GAIN: Final = 0.11
+"""By which share of the loss each light after the first must lower it: about what an information
+criterion asks for where some 60 residuals are independent, as they are on renders by their
+autocorrelation. The guessed shape makes neighbours wrong alike."""
+
+_LEAST_GAIN_OF_DISTANCE: Final = 0.2
+_OUTLYING: Final = 0.03
+# No better than this is expected of a guessed shape, as a share of the variance.
+_FLOOR: Final = 0.01
+
+
+def fit_lights(shading: Shading) -> Sources:
+    """Find the lights, their number included.
+
+    Parameters
+    ----------
+    shading
+        An object's interior and outline.
+
+    Returns
+    -------
+    1 to 4 lights: another one is accepted where it lowers the loss by `LEAST_GAIN`.
+    """
+    found = Sources.directional(np.zeros((0, 3)))
+    for count in range(1, MOST_LIGHTS + 1):
+        fits = [refine(shading, start) for start in starting_points(shading, found, count)]
+        distinct = [fit for fit in fits if _are_distinct(fit[0])]
+        if not distinct:
+            break
+        better, _ = min(distinct, key=lambda fit: fit[1])
+        if count > 1 and gain(shading, found, better) < LEAST_GAIN:
+            break
+        found = better
+    return _with_distances(shading, found)
+
+
+def gain(shading: Shading, simple: Sources, rich: Sources) -> float:
+    """Return by which share richer lights lower the loss, above a floor that the shape sets.
+
+    The interior decides, in which those places weigh most that are near the outline; few values
+    along the outline itself are independent.
+    """
+    left, left_by_rich = (
+        shading.mean_squares(robust(predict(shading, sources) - shading.luminance, _OUTLYING))[0]
+        + _FLOOR * shading.variance
+        for sources in (simple, rich)
+    )
+    return float(1 - left_by_rich / left)
+
+
+def _are_distinct(sources: Sources) -> bool:
+    """Tell whether no light is weak beside the strongest or close to another one in azimuth."""
+    if sources.intensities.min() < WEAKEST * sources.intensities.max():
+        return False
+    x, y, _ = sources.vectors.T
+    azimuth_deg = np.sort(np.degrees(np.arctan2(y, x)))
+    apart_deg = np.diff(azimuth_deg, append=azimuth_deg[0] + 360)
+    return len(azimuth_deg) == 1 or bool(apart_deg.min() >= LEAST_APART_DEG)
+
+
+def _with_distances(shading: Shading, found: Sources) -> Sources:
+    """Take lights for near ones where that explains clearly more."""
+    near, _ = refine(shading, found, near=True)
+    return near if gain(shading, found, near) > _LEAST_GAIN_OF_DISTANCE else found
