@@ -13,6 +13,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+import algorithms.cli
 import analysis.cli
 import experiments.cli
 import stimuli.cli
@@ -30,6 +31,7 @@ app = typer.Typer(
 )
 app.add_typer(stimuli.cli.app, name="stimuli")
 app.add_typer(experiments.cli.app, name="study")
+app.command("lights")(algorithms.cli.lights)
 app.command("analyse")(analysis.cli.analyse)
 
 

@@ -1,7 +1,7 @@
 """Image in, image or estimate out: plain functions on arrays, and the words shared by all rooms."""
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from algorithms.images import read_image, read_labels, write_image, write_labels
 from algorithms.light import Light, angle_between_deg
@@ -24,7 +24,8 @@ __all__ = [
 _LATER = {"LightEstimate": "algorithms.lights", "detect_lights": "algorithms.lights"}
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name in _LATER:
-        return getattr(import_module(_LATER[name]), name)
+        value: object = getattr(import_module(_LATER[name]), name)
+        return value
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
