@@ -164,6 +164,7 @@ def analyse_study(
     """
     if seed < 0:
         raise InputError(f"seed: {seed} given, 0 or more accepted")
+    _check_sessions(sessions, responses)
     version = (study.digest, stimuli.digest)
     current = [one for one in sessions if (one.study_digest, one.stimuli_digest) == version]
     chosen, who, left_out = select_sessions(current, who, include_pilot=include_pilot)
@@ -205,6 +206,15 @@ def analyse_study(
             versions=_versions(),
         )
     )
+
+
+def _check_sessions(sessions: Sequence[Session], responses: Sequence[Response]) -> None:
+    known = {one.id for one in sessions}
+    for each in responses:
+        if each.session not in known:
+            raise InputError(
+                f"responses: participant {each.participant} has answers but no session"
+            )
 
 
 def _module(study: Study) -> TaskModule:
