@@ -302,11 +302,15 @@ def sampler_of(name: Sampler, samples: int = 1) -> dict[str, Any]:
     ----------
     name
         `independent` for random samples, `centre` for one sample in each pixel's centre, `grid` for
-        samples on a regular grid, `jittered` for a random sample in each cell of such a grid.
+        samples on a regular grid, `jittered` for a random sample in each cell of such a grid, in
+        every pair of dimensions (Kensler 2013, *Correlated multi-jittered sampling*): a third to an
+        eighth of the noise's variance of independent ones, in scenes under an environment.
     samples
         Of the grid, a square number; a renderer's `spp` goes before it.
     """
     if name == "independent":
         return {"type": "independent"}
+    if name == "jittered":
+        return {"type": "multijitter", "sample_count": samples}
     count = 1 if name == "centre" else samples
-    return {"type": "stratified", "sample_count": count, "jitter": name == "jittered"}
+    return {"type": "stratified", "sample_count": count, "jitter": False}

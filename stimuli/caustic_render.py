@@ -20,7 +20,7 @@ from algorithms.errors import InputError
 from stimuli.eye_paths import Eye
 from stimuli.mesh import Value
 from stimuli.photon_grid import PhotonGrid
-from stimuli.photon_map import EnergyBalance
+from stimuli.photon_map import EnergyBalance, PhotonMap
 from stimuli.photon_projection import can_project, projected
 from stimuli.photon_tracing import PhotonTracer
 
@@ -126,15 +126,18 @@ class CausticRenderer:
         """
         generator = np.random.default_rng([seed, number])
         photons = self._tracer.trace(self._photons, generator)
-        sight = self._eye.look(int(generator.integers(2**31)))
-        if len(photons) == 0:
-            return np.zeros(self._eye.shape, np.float32), photons.energy
-        grid = PhotonGrid(photons.position, photons.normal, photons.power, self.pass_radius(number))
-        irradiance = grid.irradiance(sight.position, sight.normal, sight.valid)
-        image = self._eye.image(sight.weight * irradiance / dr.pi)
-        if self._project:
+        image = np.zeros(self._eye.shape, np.float32)
+        if len(photons) and not self._eye.is_blind:
+            image += self._gathered(photons, number, int(generator.integers(2**31)))
+        if len(photons) and self._project:
             image += projected(photons, self._scene, self._sensor)
         return image, photons.energy
+
+    def _gathered(self, photons: PhotonMap, number: int, seed: int) -> Image:
+        sight = self._eye.look(seed)
+        grid = PhotonGrid(photons.position, photons.normal, photons.power, self.pass_radius(number))
+        irradiance = grid.irradiance(sight.position, sight.normal, sight.valid)
+        return self._eye.image(sight.weight * irradiance / dr.pi)
 
 
 def render_caustics(renderer: CausticRenderer, *, passes: int, seed: int) -> Caustics:

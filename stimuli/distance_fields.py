@@ -74,7 +74,8 @@ def tube(points: ArrayLike, radii: ArrayLike, closed: bool = False) -> Field:
     squares = np.einsum("ij,ij->i", samples, samples)
 
     def chunk(offsets: NDArray[np.float64]) -> NDArray[np.float64]:
-        products = np.einsum("ij,kj->ik", offsets, samples)
+        # Three columns are too few for a matrix product to pay.
+        products = sum(offsets[:, i, None] * samples[:, i] for i in range(3))
         place = places[(squares - 2 * products).argmin(axis=1)]
         for _ in range(_NEWTON_STEPS):
             gap = offsets - curve(place)[:, :3]

@@ -7,6 +7,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from algorithms.errors import InputError
 from stimuli.kernel_values import random_numbers
@@ -19,6 +20,7 @@ BOUNCE_LIMIT: Final = 24
 """Specular surfaces that a ray may meet."""
 
 _CHANNELS: Final = 3
+_LOOKS: Final = 4  # rays across a pixel that look for specular surfaces
 # Additive recurrence in three dimensions by the powers of the root of x^4 = x + 1: the samples of a
 # pixel are spread over its area and over the first choice between reflection and refraction.
 _ROOT: Final = 1.2207440846057596
@@ -69,7 +71,8 @@ class Eye:
     samples
         Rays by pixel.
     directly
-        Whether matt surfaces count that are seen in a straight line.
+        Whether matt surfaces count that are seen in a straight line. If not, only pixels that show
+        something specular, or are beside one that does, get samples.
     """
 
     def __init__(self, scene: Value, sensor: Value, samples: int, *, directly: bool = True) -> None:
@@ -77,21 +80,27 @@ class Eye:
         self._directly = directly
         width, height = (int(extent) for extent in sensor.film().crop_size())
         self.shape = (height, width, _CHANNELS)
+        self._pixels = mi.UInt32(np.arange(height * width))
+        if not directly:
+            self._pixels = mi.UInt32(np.flatnonzero(self._show_specular_surfaces()))
+
+    @property
+    def is_blind(self) -> bool:
+        """Whether no pixel gets samples, so that there is nothing to look at."""
+        return len(self._pixels) == 0
 
     def look(self, seed: int) -> Sight:
         """Follow the rays of every pixel; different seeds give independent rays."""
-        height, width, _ = self.shape
-        count = height * width * self._samples
+        count = len(self._pixels) * self._samples
         index = dr.arange(mi.UInt32, count)
         samples = dr.opaque(mi.UInt32, self._samples)
-        pixel, rank = index // samples, index % samples
-        column, row = pixel % width, pixel // width
+        pixel, rank = dr.gather(mi.UInt32, self._pixels, index // samples), index % samples
         shifts = _shifts(pixel, seed)
         jitter = [
             _fraction(shift + mi.Float(rank) * dr.opaque(mi.Float, _ROOT**-power))
             for power, shift in enumerate(shifts, start=1)
         ]
-        place = mi.Point2f((column + jitter[0]) / width, (row + jitter[1]) / height)
+        place = self._place(pixel, jitter[0], jitter[1])
         random = random_numbers(count, seed)
         lens = mi.Point2f(random.next_float32(), random.next_float32())
         ray, weight = self._sensor.sample_ray(0.0, 0.5, place, lens)
@@ -100,8 +109,9 @@ class Eye:
     def image(self, radiance: Value) -> Image:
         """Return the means over the samples of each pixel."""
         channels = [dr.block_sum(channel, self._samples) for channel in radiance]
-        columns = np.stack([np.array(channel) for channel in channels], axis=-1) / self._samples
-        return columns.reshape(self.shape).astype(np.float32)
+        image = np.zeros((self.shape[0] * self.shape[1], _CHANNELS), np.float32)
+        image[np.array(self._pixels)] = np.stack([np.array(each) for each in channels], axis=-1)
+        return image.reshape(self.shape) / np.float32(self._samples)
 
     def footprint(self) -> float:
         """Return the size of a pixel on the matt surfaces in view, in scene units: the median.
@@ -120,6 +130,24 @@ class Eye:
         # Differentials are a fixed step in the film's plane.
         there, beside = ray.o + ray.d * length, ray.o_x + ray.d_x * length
         return float(dr.norm(beside - there)[0])
+
+    def _show_specular_surfaces(self) -> NDArray[np.bool_]:
+        """Return which pixels do `(height, width)`, and those beside them."""
+        height, width, _ = self.shape
+        index = dr.arange(mi.UInt32, height * width * _LOOKS**2)
+        look: Value = index % _LOOKS**2
+        across, down = ((mi.Float(k) + 0.5) / _LOOKS for k in (look % _LOOKS, look // _LOOKS))
+        place = self._place(index // _LOOKS**2, across, down)
+        ray, _ = self._sensor.sample_ray(0.0, 0.5, place, mi.Point2f(0.5))
+        surface = self._scene.ray_intersect(mi.Ray3f(ray))
+        specular = surface.is_valid() & is_specular(surface.bsdf().flags())
+        shows = np.any(np.array(specular).reshape(height, width, -1), axis=-1)
+        return np.asarray(ndimage.binary_dilation(shows, ndimage.generate_binary_structure(2, 2)))
+
+    def _place(self, pixel: Value, across: Value, down: Value) -> Value:
+        """Return places on the film, 0..1, from pixels' numbers and places in them, 0..1."""
+        height, width, _ = self.shape
+        return mi.Point2f((pixel % width + across) / width, (pixel // width + down) / height)
 
     def _follow(self, ray: Value, weight: Value, choice: Value, random: Value) -> Sight:
         scene, context = self._scene, mi.BSDFContext()

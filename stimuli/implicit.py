@@ -100,9 +100,10 @@ def _sampled(field: Field, cells: int, reach: float) -> tuple[NDArray[np.float64
 
 
 def _snapped(field: Field, points: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+    # What is so near the surface hardly turns away from the first gradient.
+    gradient = gradient_of(field, points)
+    square = np.maximum(np.einsum("ij,ij->i", gradient, gradient), 1e-6)
     for _ in range(_NEWTON_STEPS):
-        gradient = gradient_of(field, points)
-        square = np.maximum(np.einsum("ij,ij->i", gradient, gradient), 1e-6)
         step = -(field(points) / square)[:, None] * gradient
         length = np.linalg.norm(step, axis=1, keepdims=True)
         # A step beyond the cell that the vertex was found in would fold the mesh.

@@ -61,7 +61,8 @@ class Mesh:
         edges = np.concatenate([corners[:, [i, (i + 1) % 3]] for i in range(3)])
         ways, count = np.unique(edges @ np.array([len(self.vertices), 1]), return_counts=True)
         back = ways % len(self.vertices) * len(self.vertices) + ways // len(self.vertices)
-        return int(((count != 1) | ~np.isin(back, ways[count == 1])).sum())
+        once = ways[count == 1]
+        return int(((count != 1) | ~np.isin(back, once, assume_unique=True)).sum())
 
     def places(self) -> NDArray[np.int64]:
         """Return a number for each vertex `(n,)`, the same for vertices at one position."""

@@ -138,7 +138,7 @@ class _SceneView:
         self._integrator = mi.load_dict(dict(integrator))
 
     def render(self, seed: int, samples: int = _SAMPLES_A_PASS) -> Image:
-        sensor = self.camera.sensor()
+        sensor = self.camera.sensor("jittered")
         pixels = mi.render(
             self.scene, sensor=sensor, integrator=self._integrator, seed=seed, spp=samples
         )

@@ -17,6 +17,7 @@ SUMMARIES: Final[Mapping[str, str]] = {
     "photographs": "experiment 3: your photographs, an object lit from elsewhere (sec. 2.5)",
     "lightprobes": "objects under known lights, for light detection (ch. 3 and 9)",
     "still-life": "a table with things of many materials, lit from six directions (sec. 8.7)",
+    "caustics": "glass objects with caustics of photons and of a revolved outline (ch. 7)",
     "translucency": "translucent objects with irradiance maps of front and back (ch. 9)",
     "fog": "an outdoor scene with exact distance, clear and in fog of three densities (ch. 6)",
 }

@@ -1,4 +1,4 @@
-from functools import cache, partialmethod
+from functools import cache
 
 import numpy as np
 import pytest
@@ -8,7 +8,6 @@ from stimuli.curvature import bending_energy
 from stimuli.figures import FIGURES
 from stimuli.implicit import surface_of
 from stimuli.mesh import Mesh
-from stimuli.shapes import RuggedShape
 from tests.stimuli.test_shape_families import check_mesh
 
 HOLES = {"vertebra": 1, "knot": 1, "twisted-ring": 1}
@@ -22,7 +21,6 @@ def coarse(name: str, seed: int) -> Mesh:
             "stimuli.figures.surface_of",
             lambda field, cells, reach=1.05: surface_of(field, cells // 2, reach),
         )
-        patch.setattr(RuggedShape, "mesh", partialmethod(RuggedShape.mesh, 48, 96))
         return FIGURES[name](np.random.default_rng(seed))
 
 
