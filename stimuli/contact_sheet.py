@@ -15,6 +15,8 @@ _FONT_PX: Final = 12
 _PAPER: Final = (246, 246, 244)
 _INK: Final = (30, 30, 30)
 
+Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
+
 
 def draw_contact_sheet(stimuli: StimulusSet, *, columns: int, thumbnail_px: int) -> Image.Image:
     """Draw all images of a set.
@@ -24,7 +26,7 @@ def draw_contact_sheet(stimuli: StimulusSet, *, columns: int, thumbnail_px: int)
     stimuli
         The set, in its folder.
     columns
-        Images side by side, 1 or more.
+        Images side by side, 1 or more; fewer where there are not so many.
     thumbnail_px
         Width of an image on the sheet, 16 or more.
 
@@ -36,6 +38,7 @@ def draw_contact_sheet(stimuli: StimulusSet, *, columns: int, thumbnail_px: int)
     for name, value, lowest in (("columns", columns, 1), ("thumbnail_px", thumbnail_px, 16)):
         if value < lowest:
             raise InputError(f"{name}: {value} given, {lowest} or more accepted")
+    columns = min(columns, len(stimuli.stimuli))
     thumbnails = [_thumbnail(stimuli.path(s.file), thumbnail_px) for s in stimuli.stimuli]
     cell_height_px = max(picture.height for picture in thumbnails) + _CAPTION_PX + _MARGIN_PX
     rows = -(-len(thumbnails) // columns)
@@ -56,8 +59,12 @@ def draw_contact_sheet(stimuli: StimulusSet, *, columns: int, thumbnail_px: int)
 def caption(stimulus: Stimulus) -> str:
     """Return what is written below a stimulus: its factors, then its role and answer."""
     answer = "no answer" if stimulus.answer is None else f"answer {stimulus.answer}"
-    factors = ", ".join(str(value) for value in stimulus.factors.values())
+    factors = ", ".join(_short(value) for value in stimulus.factors.values())
     return f"{factors}\n{stimulus.role}, {answer}"
+
+
+def _short(value: object) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
 def write_contact_sheet(path: Path, stimuli: StimulusSet, columns: int, thumbnail_px: int) -> None:
@@ -66,11 +73,19 @@ def write_contact_sheet(path: Path, stimuli: StimulusSet, columns: int, thumbnai
 
 
 def _text(text: str, width_px: int) -> Image.Image:
-    """Draw lines of text, cut off where they are too long."""
+    """Draw lines of text, ended by dots where they are too long."""
     drawn = Image.new("RGB", (width_px, _CAPTION_PX), _PAPER)
     font = ImageFont.load_default(size=_FONT_PX)
-    ImageDraw.Draw(drawn).text((0, 2), text, font=font, fill=_INK)
+    lines = "\n".join(_fitted(line, font, width_px) for line in text.splitlines())
+    ImageDraw.Draw(drawn).text((0, 2), lines, font=font, fill=_INK)
     return drawn
+
+
+def _fitted(line: str, font: Font, width_px: int) -> str:
+    if font.getlength(line) <= width_px:
+        return line
+    fitting = [n for n in range(len(line)) if font.getlength(line[:n] + "...") <= width_px]
+    return line[: max(fitting, default=0)] + "..."
 
 
 def _thumbnail(path: Path, width_px: int) -> Image.Image:
