@@ -19,7 +19,15 @@ from stimuli.manifest import StimulusSet
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_LIBRARIES = ("numpy", "scipy", "pandas", "psignifit", "statsmodels", "matplotlib")
+_LIBRARIES = (
+    "numpy",
+    "scipy",
+    "pandas",
+    "psignifit",
+    "statsmodels",
+    "scikit-posthocs",
+    "matplotlib",
+)
 
 
 @dataclass(frozen=True)

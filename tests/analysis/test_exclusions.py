@@ -100,9 +100,11 @@ def test_nobody_left_is_one_clear_line(study: Study, drawn_set: StimulusSet) -> 
 
 
 def strict_study(study: Study) -> Study:
-    """The study with every part of a rule."""
+    """The study with every part of a rule, and without conditions: one fit."""
     rule = {"catch_level": 80, "least_catch_share": 0.6, "largest_late_share": 0.25}
-    return Study.model_validate(study.model_dump() | {"exclusion": rule})
+    content = study.model_dump()
+    content["stimuli"]["conditions"] = ()
+    return Study.model_validate(content | {"exclusion": rule})
 
 
 def test_catch_trials_and_late_frames_decide_who_counts(

@@ -237,12 +237,16 @@ def _about_scale(who: str, results: PairedAnalysis) -> list[str]:
         for row in table.to_dict("records")
     )
     apart = scale.differences[(scale.differences["low"] > 0) | (scale.differences["high"] < 0)]
-    return [
+    told = [
         f"{who} place the items, best first, at {order} ({scale.unit}; zero is the"
-        f" {'mean' if scale.anchor == 'mean' else scale.anchor}; 95 % intervals).",
-        f"{len(apart)} of {len(scale.differences)} pairs of items lie apart by an interval that"
-        " does not hold zero.",
+        f" {'mean' if scale.anchor == 'mean' else scale.anchor}; 95 % intervals)."
     ]
+    if len(scale.differences) > 1:
+        told.append(
+            f"{len(apart)} of {len(scale.differences)} pairs of items lie apart by an interval that"
+            " does not hold zero."
+        )
+    return told
 
 
 def _about_agreement(results: PairedAnalysis) -> list[str]:
