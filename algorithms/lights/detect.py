@@ -13,6 +13,7 @@ from algorithms.lights.fitting import fit_lights
 from algorithms.lights.probe import prepare_probe
 from algorithms.lights.shading import Shading, Sources, predict, shading_of
 from algorithms.lights.shape import interior_of
+from algorithms.lights.trim import trimmed
 from algorithms.lights.voting import vote_lights
 
 
@@ -43,7 +44,7 @@ def detect_lights(
     """
     if method not in ("fitting", "voting"):
         raise InputError(f"method: {method!r} given, fitting or voting accepted")
-    probe = prepare_probe(image, mask)
+    probe = trimmed(prepare_probe(image, mask))
     interior = interior_of(probe)
     contour = contour_of(probe, interior)
     shading = shading_of(interior, contour)
