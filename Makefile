@@ -36,8 +36,10 @@ FRONTEND := $(shell find experiments/web/frontend -type f -not -path '*/node_mod
 demo: .venv/run.stamp
 	$(BIN)/trompe demo
 
+# Two at once: much of the suite waits for windows and pages. A file's tests stay together, as they
+# share what they render.
 test: .venv/test.stamp
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile
 
 check: .venv/test.stamp
 	$(BIN)/ruff check
