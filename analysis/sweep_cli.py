@@ -1,0 +1,64 @@
+"""The command `trompe sweep`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+app = typer.Typer(no_args_is_help=True, help="Sweep an algorithm's error over hard conditions.")
+
+
+@app.callback()
+def _subjects() -> None:
+    """Keep the subject a word of its own, although there is one."""
+
+
+@app.command()
+def lights(
+    folder: Annotated[Path, typer.Argument(metavar="SET", help="A set of light probes.")],
+    out: Annotated[Path, typer.Option(help="The folder of tables and figure; made if missing.")],
+    seed: Annotated[int, typer.Option(min=0, help="Of the noise.")] = 2010,
+    as_json: Annotated[bool, typer.Option("--json", help="Machine-readable output.")] = False,
+) -> None:
+    """Sweep light detection over a set of `trompe stimuli make lightprobes`."""
+    import numpy as np
+
+    from algorithms.files import make_folder, write_atomically
+    from analysis.figures.light_errors import light_error_figure
+    from analysis.figures.style import figure_bytes
+    from analysis.light_tables import means, table_3_1, table_3_2
+    from analysis.sweeps import FACTORS, long_table, sweep_lights
+    from stimuli.manifest import load
+
+    stimuli, out = load(folder), make_folder(out)
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
+        task = bar.add_task("sweep lights", total=None)
+        rows = sweep_lights(
+            stimuli,
+            np.random.default_rng(seed),
+            progress=lambda done, total: bar.update(task, completed=done, total=total),
+        )
+    summary = long_table(rows, FACTORS)
+    tables = {"table-3-1": table_3_1(stimuli), "table-3-2": table_3_2(stimuli)}
+    for name, table in {"errors": rows, "summary": summary, **tables}.items():
+        write_atomically(out / f"{name}.csv", table.to_csv(index=False).encode())
+    for kind in ("svg", "png"):
+        content = figure_bytes(light_error_figure(summary), kind)
+        write_atomically(out / f"light-errors.{kind}", content)
+    if as_json:
+        typer.echo(summary.to_json(orient="records"))
+        return
+    for name, table in tables.items():
+        typer.echo(f"{name}: means, ours beside the published ones")
+        typer.echo(means(table).round(1).to_string())
+    typer.echo(summary.round(1).to_string(index=False))
+    typer.echo(f"wrote {out}")
