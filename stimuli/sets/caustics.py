@@ -84,7 +84,7 @@ class Size:
         Of the picture.
     sky_samples, key_samples
         A pixel, under the sky, whose light is noisy, and under the key light, whose is not: powers
-        of 4, so that no pixel is shared by two threads, whose order would be seen in the last digit.
+        of 4, so that no two threads share a pixel, whose last digit would show which came first.
     photons
         Emitted.
     eye_samples
