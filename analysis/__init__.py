@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from analysis.answers.exclusions import Flow, exclude
     from analysis.answers.trials import trial_table
+    from analysis.errors import LightError, light_error
     from analysis.estimates import Estimate, to_json
     from analysis.gaze.fixations import (
         Fixations,
@@ -84,6 +85,7 @@ __all__ = [
     "GroupThreshold",
     "HeatMap",
     "HitRates",
+    "LightError",
     "LikelihoodFits",
     "ObserverFit",
     "PairScale",
@@ -129,6 +131,7 @@ __all__ = [
     "item_preferences",
     "largest_level_at_chance",
     "largest_level_at_chance_by_participant",
+    "light_error",
     "maximum_likelihood",
     "object_salience",
     "participant_interval",
@@ -152,6 +155,7 @@ __all__ = [
 _NAMES_OF = {
     "answers.exclusions": ("Flow", "exclude"),
     "answers.trials": ("trial_table",),
+    "errors": ("LightError", "light_error"),
     "estimates": ("Estimate", "to_json"),
     "gaze.fixations": ("Fixations", "fixations_by_dispersion", "fixations_by_velocity"),
     "gaze.heat_map": ("HeatMap", "heat_map"),

@@ -16,6 +16,7 @@ FIXED = (
     "agreement",
     "consistency",
     "fit_threshold",
+    "light_error",
     "rank_summary",
     "scale_pairs",
     "score_groups",
