@@ -26,6 +26,7 @@ LEAST_GAIN: Final = 0.11
 criterion asks for where some 60 residuals are independent, as they are on renders by their
 autocorrelation. The guessed shape makes neighbours wrong alike."""
 
+_HOPELESS: Final = 0.05
 _LEAST_GAIN_OF_DISTANCE: Final = 0.2
 _OUTLYING: Final = 0.03
 # No better than this is expected of a guessed shape, as a share of the variance.
@@ -42,19 +43,26 @@ def fit_lights(shading: Shading) -> Sources:
 
     Returns
     -------
-    1 to 4 lights: another one is accepted where it lowers the loss by `LEAST_GAIN`.
+    1 to 4 lights: another one is accepted where it lowers the loss by `LEAST_GAIN`, and two more
+    where they do so on average, as three evenly spread lights may look like one and ambient light.
     """
-    found = Sources.directional(np.zeros((0, 3)))
+    last = best = Sources.directional(np.zeros((0, 3)))
+    worth = most_worth = 0.0
     for count in range(1, MOST_LIGHTS + 1):
-        fits = [refine(shading, start) for start in starting_points(shading, found, count)]
+        fits = [refine(shading, start) for start in starting_points(shading, last, count)]
         distinct = [fit for fit in fits if _are_distinct(fit[0])]
         if not distinct:
             break
-        better, _ = min(distinct, key=lambda fit: fit[1])
-        if count > 1 and gain(shading, found, better) < LEAST_GAIN:
-            break
-        found = better
-    return _with_distances(shading, found)
+        richer, _ = min(distinct, key=lambda fit: fit[1])
+        if count > 1:
+            lowered = gain(shading, last, richer)
+            worth += np.log(1 - LEAST_GAIN) - np.log(1 - lowered)
+            if worth < most_worth and (lowered < _HOPELESS or count > len(best.vectors) + 1):
+                break
+        if worth >= most_worth:
+            best, most_worth = richer, worth
+        last = richer
+    return _with_distances(shading, best)
 
 
 def gain(shading: Shading, simple: Sources, rich: Sources) -> float:

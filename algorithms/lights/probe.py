@@ -83,9 +83,10 @@ def prepare_probe(image: NDArray[Any], mask: NDArray[Any]) -> Probe:
     if not np.isfinite(within).all():
         raise InputError("image: finite values are accepted inside the mask")
     usable, clipped = _usable(pixels, within, inside)
-    weights = np.array(LUMINANCE_WEIGHTS if pixels.shape[2] == 3 else (1.0,))
-    clean = np.where(inside[..., None], pixels, 0).astype(np.float64)
-    luminance = np.maximum(clean, 0) @ weights
+    weights = LUMINANCE_WEIGHTS if pixels.shape[2] == 3 else (1.0,)
+    luminance = np.zeros(inside.shape)
+    for channel, weight in enumerate(weights):
+        luminance[inside] += weight * np.maximum(within[:, channel], 0)
     if luminance.max() <= _BLACK * max(1.0, float(np.abs(within).max())):
         raise InputError("image: the object is black; one that reflects light is accepted")
     if any(at_border):
