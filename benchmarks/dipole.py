@@ -25,16 +25,16 @@ from numpy.typing import NDArray
 from algorithms.light import Light
 from benchmarks.results import machine, write_result
 from stimuli.camera import View
-from stimuli.dipole import Dipole
 from stimuli.engine import choose_engine
-from stimuli.hierarchical_sum import TOLERANCE, HierarchicalSum
-from stimuli.irradiance import entering_irradiance
 from stimuli.making import current_versions
-from stimuli.media import MEASURED, Medium
-from stimuli.mesh import to_mitsuba
-from stimuli.shapes import AbstractShape
-from stimuli.surface_pieces import cut_surface
-from stimuli.translucent import Translucent, TranslucentRenderer, exitance_sum
+from stimuli.shapes.displaced_spheres import AbstractShape
+from stimuli.shapes.mesh import to_mitsuba
+from stimuli.translucency.dipole import Dipole
+from stimuli.translucency.hierarchical_sum import TOLERANCE, HierarchicalSum
+from stimuli.translucency.irradiance import entering_irradiance
+from stimuli.translucency.media import MEASURED, Medium
+from stimuli.translucency.renderer import Translucent, TranslucentRenderer, exitance_sum
+from stimuli.translucency.surface_pieces import cut_surface
 from tests.stimuli.bodies import UnitSphere
 from tests.stimuli.volumetric_path_tracer import slab_reflectance, sphere_radiance
 

@@ -22,12 +22,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.results import machine, write_result
-from stimuli.caustic_render import CausticRenderer
 from stimuli.engine import choose_engine
-from stimuli.eye_paths import Eye
-from stimuli.kernel_values import rows_of
 from stimuli.making import current_versions
-from stimuli.photon_tracing import PhotonTracer
+from stimuli.photons.caustic_render import CausticRenderer
+from stimuli.photons.eye_paths import Eye
+from stimuli.photons.kernel_values import rows_of
+from stimuli.photons.photon_tracing import PhotonTracer
 from tests.stimuli.glass import GLASS, camera, floor, scene, sphere
 
 Picture = NDArray[np.float64]

@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 
 from algorithms.color import encode_srgb
 from benchmarks.results import machine, write_result
-from stimuli.arrangement import BACKGROUND, FULL, QUICK
 from stimuli.camera import View
 from stimuli.engine import choose_engine
+from stimuli.light_linking.arrangement import BACKGROUND, FULL, QUICK
+from stimuli.light_linking.render import Renderer, Rig, make_renderer
+from stimuli.light_linking.rigs import AMBIENT, CENTRE_ELEVATIONS_DEG, diverging_keys
 from stimuli.making import current_versions
-from stimuli.render import Renderer, Rig, make_renderer
-from stimuli.rigs import AMBIENT, CENTRE_ELEVATIONS_DEG, diverging_keys
 from stimuli.sets import divergence
 from stimuli.truth import Image
 from tests.stimuli.path_tracer import PathTracer

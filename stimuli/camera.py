@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from algorithms.errors import InputError
 from algorithms.light import Light
-from stimuli.mesh import Value
+from stimuli.shapes.mesh import Value
 
 Point = tuple[float, float, float]
 Sampler = Literal["independent", "centre", "grid", "jittered"]

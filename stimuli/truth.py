@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from algorithms.errors import InputError
 from algorithms.images import write_channels, write_labels
 from stimuli.camera import Camera
-from stimuli.mesh import Value
+from stimuli.shapes.mesh import Value
 
 Image = NDArray[np.float32]
 

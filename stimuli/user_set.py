@@ -13,14 +13,14 @@ from algorithms.errors import InputError
 from algorithms.files import sha256_of
 from algorithms.images import write_channels
 from algorithms.light import Light
-from stimuli.arrangement import BACKGROUND
 from stimuli.camera import Perspective, camera_of
 from stimuli.convergence import NOISE_LIMIT, Image, render_until
 from stimuli.engine import choose_engine
 from stimuli.exposure import exposure_for, write_shown
+from stimuli.light_linking.arrangement import BACKGROUND
 from stimuli.making import Job, Plan, Progress, make_set, no_progress, recipe_of
 from stimuli.manifest import Factor, Role, Stimulus, StimulusSet
-from stimuli.mesh import Value
+from stimuli.shapes.mesh import Value
 from stimuli.truth import ground_truth, regions_file, truth_files, write_truth
 
 PATH_TRACER: Final[Mapping[str, Any]] = {"type": "path", "max_depth": 8, "hide_emitters": True}

@@ -5,12 +5,12 @@ Lopez-Moreno 2011, sec. 7.5.1, fig. 7.11 and 7.12: four objects of increasing co
 observers compare caustics of three methods, each added to the same picture of the glass object.
 
 What the thesis leaves open is taken as follows. Objects: a pebble for its skull, and a vertebra, a
-dolphin and a bull of our own (`stimuli.figures`); a doll for practice. The camera looks down by 28
-degrees and the light by 48, so that at 0 degrees light and camera share their direction seen from
-above, and some of the shadow can still be seen. Glass has a refractive index of 1.5. The key light
-is directional, and what smooth glass does to it is all in the caustics: without them the object
-casts a full shadow, and with them the light that is missing there is where it was sent. The light
-of the studio's sky passes through the glass in all pictures alike.
+dolphin and a bull of our own (`stimuli.shapes.figures`); a doll for practice. The camera looks down
+by 28 degrees and the light by 48, so that at 0 degrees light and camera share their direction seen
+from above, and some of the shadow can still be seen. Glass has a refractive index of 1.5. The key
+light is directional, and what smooth glass does to it is all in the caustics: without them the
+object casts a full shadow, and with them the light that is missing there is where it was sent. The
+light of the studio's sky passes through the glass in all pictures alike.
 
 The third method works on images, and another room makes it: from `opaque`, `relief` and the region
 of an object it makes a map of caustics, and adds it to `transparent` within the quadrilateral that
@@ -29,8 +29,14 @@ import numpy as np
 
 from algorithms.images import write_channels
 from stimuli.camera import Perspective
-from stimuli.caustic_render import CausticRenderer
-from stimuli.caustic_scene import (
+from stimuli.convergence import NOISE_LIMIT, Converged, render_until
+from stimuli.engine import choose_engine
+from stimuli.exposure import exposure_for, write_shown
+from stimuli.making import Job, Plan, Progress, make_set, no_progress, recipe_of
+from stimuli.manifest import Role, Stimulus, StimulusSet
+from stimuli.photons.caustic_render import CausticRenderer
+from stimuli.photons.photon_tracing import PhotonTracer
+from stimuli.scenes.caustic_scene import (
     CAMERA_ELEVATION_DEG,
     FIGURES,
     LIGHT_ELEVATION_DEG,
@@ -40,13 +46,7 @@ from stimuli.caustic_scene import (
     key_in_frame,
     map_corners,
 )
-from stimuli.convergence import NOISE_LIMIT, Converged, render_until
-from stimuli.engine import choose_engine
-from stimuli.exposure import exposure_for, write_shown
-from stimuli.making import Job, Plan, Progress, make_set, no_progress, recipe_of
-from stimuli.manifest import Role, Stimulus, StimulusSet
-from stimuli.mesh import Value
-from stimuli.photon_tracing import PhotonTracer
+from stimuli.shapes.mesh import Value
 from stimuli.truth import GroundTruth, Image, ground_truth, regions_file, truth_files, write_truth
 
 LIGHTS_DEG: Final = (0, 60, 120, 180)

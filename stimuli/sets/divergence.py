@@ -15,14 +15,14 @@ from typing import Final
 import numpy as np
 
 from algorithms.errors import InputError
-from stimuli.arrangement import FULL, QUICK, place_objects
 from stimuli.engine import choose_engine
-from stimuli.linked_set import LEVELS_DEG, LinkedImage, linked_plan
+from stimuli.light_linking.arrangement import FULL, QUICK, place_objects
+from stimuli.light_linking.linked_set import LEVELS_DEG, LinkedImage, linked_plan
+from stimuli.light_linking.materials import TABLE_2_1, Finish
+from stimuli.light_linking.placed_objects import Placed
+from stimuli.light_linking.rigs import CENTRE_ELEVATIONS_DEG, diverging_keys
 from stimuli.making import Plan, Progress, make_set, no_progress, recipe_of
 from stimuli.manifest import Role, StimulusSet
-from stimuli.materials import TABLE_2_1, Finish
-from stimuli.rigs import CENTRE_ELEVATIONS_DEG, diverging_keys
-from stimuli.scene import Placed
 
 FINISHES: Final[tuple[Finish, ...]] = ("diffuse", "shiny")
 # Diffuse and shiny alternate; the two checkerboards stand at opposite corners.

@@ -18,15 +18,15 @@ import numpy as np
 
 from algorithms.images import read_channels, write_channels
 from algorithms.light import Light
-from stimuli import fog_scene
 from stimuli.camera import Perspective
 from stimuli.convergence import Image, Pass, render_until
 from stimuli.engine import choose_engine
 from stimuli.exposure import exposure_for, write_shown
-from stimuli.fog_layer import FogLayer
 from stimuli.making import Job, Plan, Progress, make_set, no_progress, recipe_of
 from stimuli.manifest import Stimulus, StimulusSet
-from stimuli.mesh import Value
+from stimuli.scenes import fog_scene
+from stimuli.scenes.fog_layer import FogLayer
+from stimuli.shapes.mesh import Value
 from stimuli.truth import GroundTruth, ground_truth, regions_file, truth_files, write_truth
 
 EXTINCTIONS_PER_M: Final[Mapping[str, float]] = {

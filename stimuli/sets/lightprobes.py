@@ -29,20 +29,20 @@ from numpy.typing import NDArray
 
 from algorithms.images import write_channels
 from algorithms.light import Light
-from stimuli.arrangement import BACKGROUND
 from stimuli.camera import View
 from stimuli.convergence import render_until
 from stimuli.engine import choose_engine
 from stimuli.exposure import exposure_for, write_shown
+from stimuli.light_linking.arrangement import BACKGROUND
+from stimuli.light_linking.render import Rendered, Renderer, make_renderer
+from stimuli.light_linking.rigs import KEY_INTENSITY
 from stimuli.making import Job, Plan, Progress, make_set, no_progress, recipe_of
 from stimuli.manifest import Factor, Stimulus, StimulusSet
-from stimuli.media import MEASURED
-from stimuli.probe_lights import TABLE_3_1, TABLE_3_2, disc, light_of_chapter_3, surroundings
-from stimuli.probe_objects import GLOSS_EXPONENTS, PROBES, TEXTURE_FREQUENCIES
-from stimuli.render import Rendered, Renderer, make_renderer
-from stimuli.rigs import KEY_INTENSITY
-from stimuli.shapes import LIGHTPROBES
-from stimuli.translucent import Translucent, TranslucentRenderer
+from stimuli.scenes.probe_lights import TABLE_3_1, TABLE_3_2, disc, light_of_chapter_3, surroundings
+from stimuli.scenes.probe_objects import GLOSS_EXPONENTS, PROBES, TEXTURE_FREQUENCIES
+from stimuli.shapes.displaced_spheres import LIGHTPROBES
+from stimuli.translucency.media import MEASURED
+from stimuli.translucency.renderer import Translucent, TranslucentRenderer
 from stimuli.truth import regions_file, truth_files, write_truth
 
 FULL: Final = View(width_px=512, height_px=512, radius_px=230, samples=16)
@@ -92,7 +92,7 @@ class ProbeImage:
     group
         As in the module's description.
     probe
-        A name out of `stimuli.probe_objects.PROBES`.
+        A name out of `stimuli.scenes.probe_objects.PROBES`.
     lights
         In the project's frame, the strongest first.
     ambient

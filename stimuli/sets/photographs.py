@@ -1,15 +1,16 @@
 """Experiment 3: photographs in which one object was lit from elsewhere (sec. 2.5).
 
-From a folder of the user's (`stimuli.photographs` tells what it holds): aligned photographs of one
-scene, its key light moved between them, and the objects' masks. Every object is taken from every
-other photograph and put into the reference, one at a time (experiment 3.2) and, where the
+From a folder of the user's (`stimuli.photographs.folder` tells what it holds): aligned photographs
+of one scene, its key light moved between them, and the objects' masks. Every object is taken from
+every other photograph and put into the reference, one at a time (experiment 3.2) and, where the
 description names pairs, two at a time (experiment 3.1); the reference itself, where nothing
 diverges, is the control.
 
-The thesis composites by "Poisson-based alpha matting" without saying more; `stimuli.cloning` tells
-what we do. Its band is a hundredth of the image's diagonal wide, its correction reaches half of
-that, so that the objects' own light is hardly changed: how much is recorded with each image. The
-thesis' scenes stand before a black background, for shadows on a table would stay behind.
+The thesis composites by "Poisson-based alpha matting" without saying more;
+`stimuli.photographs.cloning` tells what we do. Its band is a hundredth of the image's diagonal
+wide, its correction reaches half of that, so that the objects' own light is hardly changed: how
+much is recorded with each image. The thesis' scenes stand before a black background, for shadows on
+a table would stay behind.
 """
 
 import importlib.metadata
@@ -26,12 +27,12 @@ from algorithms.color import FloatImage, encode_srgb, luminance
 from algorithms.errors import InputError
 from algorithms.files import sha256_of
 from algorithms.images import write_labels
-from stimuli.cloning import clone, seam_of_255
 from stimuli.exposure import exposure_for, write_shown
 from stimuli.making import Job, Plan, Progress, make_set, no_progress, recipe_of
 from stimuli.manifest import Stimulus, StimulusSet
-from stimuli.photograph_checks import check_alike, check_clipping
-from stimuli.photographs import FILE_NAME, PhotographFolder, read_folder
+from stimuli.photographs.checks import check_alike, check_clipping
+from stimuli.photographs.cloning import clone, seam_of_255
+from stimuli.photographs.folder import FILE_NAME, PhotographFolder, read_folder
 from stimuli.truth import regions_file
 
 NAME: Final = "photographs"

@@ -1,9 +1,9 @@
 """Still life: simple and complex things of many materials, lit originally, from the front, behind.
 
 Lopez-Moreno 2011, sec. 8.7 compares depth and relighting on such a scene; the things, their places
-and the further three lightings are ours (`stimuli.still_life_scene`). One directional key light
-and a dim sky of even radiance light it. Light is traced with up to ten bounces; what the key light
-sends through glass onto the table, which no path tracer finds, is photon-mapped and added.
+and the further three lightings are ours (`stimuli.scenes.still_life_scene`). One directional key
+light and a dim sky of even radiance light it. Light is traced with up to ten bounces; what the key
+light sends through glass onto the table, which no path tracer finds, is photon-mapped and added.
 """
 
 from collections.abc import Mapping
@@ -16,15 +16,14 @@ import numpy as np
 
 from algorithms.images import read_channels, write_channels
 from stimuli.camera import Perspective
-from stimuli.caustic_render import CausticRenderer
 from stimuli.convergence import render_until
 from stimuli.engine import choose_engine
 from stimuli.exposure import exposure_for, write_shown
 from stimuli.making import Job, Plan, Progress, make_set, no_progress, recipe_of
 from stimuli.manifest import Stimulus, StimulusSet
-from stimuli.mesh import Value
-from stimuli.photon_tracing import PhotonTracer
-from stimuli.still_life_scene import (
+from stimuli.photons.caustic_render import CausticRenderer
+from stimuli.photons.photon_tracing import PhotonTracer
+from stimuli.scenes.still_life_scene import (
     KEY_COLOUR,
     LIGHTINGS,
     OBJECTS,
@@ -33,6 +32,7 @@ from stimuli.still_life_scene import (
     camera,
     key_in_scene,
 )
+from stimuli.shapes.mesh import Value
 from stimuli.truth import Image, ground_truth, regions_file, truth_files, write_truth
 
 STEM: Final = "still-life"

@@ -21,14 +21,14 @@ from typing import Final
 import numpy as np
 
 from algorithms.errors import InputError
-from stimuli.arrangement import FULL, OBJECTS, QUICK, place_objects
 from stimuli.engine import choose_engine
-from stimuli.linked_set import LEVELS_DEG, LinkedImage, linked_plan
+from stimuli.light_linking.arrangement import FULL, OBJECTS, QUICK, place_objects
+from stimuli.light_linking.linked_set import LEVELS_DEG, LinkedImage, linked_plan
+from stimuli.light_linking.materials import ROUGHNESS, Material, exponent_of, roughness_of
+from stimuli.light_linking.placed_objects import Placed
+from stimuli.light_linking.rigs import diverging_keys
 from stimuli.making import Plan, Progress, make_set, no_progress, recipe_of
 from stimuli.manifest import Role, StimulusSet
-from stimuli.materials import ROUGHNESS, Material, exponent_of, roughness_of
-from stimuli.rigs import diverging_keys
-from stimuli.scene import Placed
 
 CHECKERBOARDS: Final = {"low": 2, "medium": 4, "medium-high": 8, "high": 16}
 """Tiles along a quarter of an object's circumference; experiment 1 has about four."""

@@ -23,19 +23,19 @@ from numpy.typing import NDArray
 
 from algorithms.images import write_channels, write_labels
 from algorithms.light import Light
-from stimuli.arrangement import BACKGROUND
 from stimuli.camera import CAMERA_DISTANCE, View
 from stimuli.convergence import render_until
 from stimuli.engine import choose_engine
 from stimuli.exposure import exposure_for, write_shown
+from stimuli.light_linking.arrangement import BACKGROUND
+from stimuli.light_linking.rigs import KEY_INTENSITY
 from stimuli.making import Job, Plan, Progress, make_set, no_progress, recipe_of
 from stimuli.manifest import Factor, Stimulus, StimulusSet
-from stimuli.media import MEASURED
-from stimuli.rigs import KEY_INTENSITY
-from stimuli.translucent import TranslucentRenderer
-from stimuli.translucent_bodies import SHAPES, Bodies
+from stimuli.scenes.translucent_bodies import SHAPES, Bodies
+from stimuli.translucency.media import MEASURED
+from stimuli.translucency.renderer import TranslucentRenderer
+from stimuli.translucency.two_sides import TwoSides, two_sides
 from stimuli.truth import regions_file
-from stimuli.two_sides import TwoSides, two_sides
 
 FULL: Final = View(width_px=512, height_px=512, radius_px=230, samples=4)
 QUICK: Final = View(width_px=128, height_px=128, radius_px=58, samples=9)

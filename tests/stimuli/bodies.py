@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stimuli.camera import View
-from stimuli.materials import TABLE_2_1, Material
-from stimuli.scene import Placed
-from stimuli.shapes import AbstractShape, sphere_directions
+from stimuli.light_linking.materials import TABLE_2_1, Material
+from stimuli.light_linking.placed_objects import Placed
+from stimuli.shapes.displaced_spheres import AbstractShape, sphere_directions
 
 MATT = Material("diffuse", "plain", (0.5, 0.5))
 

@@ -7,11 +7,11 @@ from itertools import product
 import numpy as np
 import pytest
 
-from stimuli import arrangement, linked_set
 from stimuli.camera import View
 from stimuli.engine import Engine, choose_engine, engine_report
+from stimuli.light_linking import arrangement, linked_set
+from stimuli.light_linking.render import Renderer, make_renderer
 from stimuli.manifest import StimulusSet
-from stimuli.render import Renderer, make_renderer
 from stimuli.sets import divergence, texture
 from tests.conftest import require
 

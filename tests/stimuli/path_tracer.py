@@ -8,7 +8,7 @@ import numpy as np
 
 from algorithms.light import Light
 from stimuli.camera import View
-from stimuli.scene import Placed, scene_of
+from stimuli.light_linking.placed_objects import Placed, scene_of
 from stimuli.truth import Image
 
 

@@ -12,7 +12,7 @@ from algorithms.images import write_image
 from algorithms.light import Light
 from stimuli.camera import View
 from stimuli.engine import choose_engine
-from stimuli.render import make_renderer
+from stimuli.light_linking.render import make_renderer
 from tests.stimuli.bodies import of_table
 
 VIEW = View(width_px=260, height_px=110, radius_px=30, samples=16)

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from algorithms.errors import InputError
 from algorithms.light import Light
-from stimuli.caustic_free_integrator import caustic_free_integrator
-from stimuli.caustic_render import CausticRenderer, render_caustics
-from stimuli.mesh import Mesh, to_mitsuba
-from stimuli.photon_tracing import PhotonTracer
+from stimuli.photons.caustic_free_integrator import caustic_free_integrator
+from stimuli.photons.caustic_render import CausticRenderer, render_caustics
+from stimuli.photons.photon_tracing import PhotonTracer
+from stimuli.shapes.mesh import Mesh, to_mitsuba
 from tests.stimuli.glass import GLASS, MIRROR, camera, floor, matt, scene, sphere
 
 Scene = Any  # its type depends on the variant

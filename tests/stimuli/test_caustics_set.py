@@ -12,11 +12,11 @@ from scipy import ndimage
 from algorithms.errors import InputError, UnavailableError
 from algorithms.images import read_channels, read_labels
 from algorithms.light import Light
-from stimuli.caustic_scene import FIGURES, camera, key_in_frame, key_light, map_corners
 from stimuli.engine import Engine
-from stimuli.implicit import surface_of
 from stimuli.manifest import StimulusSet
+from stimuli.scenes.caustic_scene import FIGURES, camera, key_in_frame, key_light, map_corners
 from stimuli.sets import caustics
+from stimuli.shapes.implicit import surface_of
 from stimuli.truth import TRUTH_NAMES
 
 TINY = caustics.Size(64, 64, 16, 60_000, 16)
@@ -29,7 +29,7 @@ def make_tiny(folder: Path, *shapes: str) -> StimulusSet:
         patch.setattr(caustics, "design", lambda *, quick: tuple(images))  # noqa: ARG005
         patch.setattr(caustics, "QUICK", TINY)
         patch.setattr(
-            "stimuli.figures.surface_of",
+            "stimuli.shapes.figures.surface_of",
             lambda field, cells, reach=1.05: surface_of(field, cells // 2, reach),
         )
         patch.setattr(caustics, "_SMALL", caustics.Size(48, 4, 4, 20_000, 4))

@@ -7,7 +7,7 @@ from scipy.ndimage import binary_dilation, binary_erosion, laplace
 from skimage.draw import disk
 
 from algorithms.errors import InputError
-from stimuli.cloning import clone, seam_of_255
+from stimuli.photographs.cloning import clone, seam_of_255
 
 SIZE = (70, 90)
 

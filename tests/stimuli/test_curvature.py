@@ -1,10 +1,10 @@
 import numpy as np
 from numpy.testing import assert_allclose
 
-from stimuli.curvature import bending_energy, mean_curvature
-from stimuli.distance_fields import torus
-from stimuli.implicit import surface_of
-from stimuli.superquadric import superquadric
+from stimuli.shapes.curvature import bending_energy, mean_curvature
+from stimuli.shapes.distance_fields import torus
+from stimuli.shapes.implicit import surface_of
+from stimuli.shapes.superquadric import superquadric
 from tests.stimuli.bodies import UnitSphere
 
 

@@ -13,8 +13,8 @@ from scipy.integrate import quad
 from scipy.special import j0
 
 from algorithms.errors import InputError
-from stimuli.dipole import Dipole, diffuse_fresnel_reflectance
-from stimuli.media import MEASURED, Medium
+from stimuli.translucency.dipole import Dipole, diffuse_fresnel_reflectance
+from stimuli.translucency.media import MEASURED, Medium
 
 NAMES = tuple(MEASURED)
 

@@ -8,9 +8,9 @@ import pytest
 
 from algorithms.light import Light
 from stimuli.camera import View
-from stimuli.dipole import Dipole
-from stimuli.media import Medium
-from stimuli.translucent import Translucent, TranslucentRenderer
+from stimuli.translucency.dipole import Dipole
+from stimuli.translucency.media import Medium
+from stimuli.translucency.renderer import Translucent, TranslucentRenderer
 from tests.stimuli.bodies import UnitSphere
 from tests.stimuli.volumetric_path_tracer import slab_reflectance, sphere_radiance
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from algorithms.light import angle_between_deg
-from stimuli.materials import TABLE_2_1
-from stimuli.rigs import AMBIENT
+from stimuli.light_linking.materials import TABLE_2_1
+from stimuli.light_linking.rigs import AMBIENT
 from stimuli.sets.divergence import MAIN_ORDER, PRACTICE_ORDER, Cell, plan
 
 LEVELS_DEG = range(0, 91, 10)

@@ -12,12 +12,12 @@ from scipy import ndimage, stats
 from algorithms.color import encode_srgb
 from algorithms.images import read_channels, read_labels, write_image
 from algorithms.light import Light, angle_between_deg
-from stimuli.arrangement import BACKGROUND, COARSE, QUICK
-from stimuli.luminance_observer import outlier_hit_rates
+from stimuli.light_linking.arrangement import BACKGROUND, COARSE, QUICK
+from stimuli.light_linking.luminance_observer import outlier_hit_rates
+from stimuli.light_linking.materials import TABLE_2_1
+from stimuli.light_linking.render import Renderer
+from stimuli.light_linking.rigs import AMBIENT
 from stimuli.manifest import Stimulus, StimulusSet, load
-from stimuli.materials import TABLE_2_1
-from stimuli.render import Renderer
-from stimuli.rigs import AMBIENT
 from stimuli.sets import divergence
 
 

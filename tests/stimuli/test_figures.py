@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from stimuli.curvature import bending_energy
-from stimuli.figures import FIGURES
-from stimuli.implicit import surface_of
-from stimuli.mesh import Mesh
+from stimuli.shapes.curvature import bending_energy
+from stimuli.shapes.figures import FIGURES
+from stimuli.shapes.implicit import surface_of
+from stimuli.shapes.mesh import Mesh
 from tests.stimuli.test_shape_families import check_mesh
 
 HOLES = {"vertebra": 1, "knot": 1, "twisted-ring": 1}
@@ -18,7 +18,7 @@ def coarse(name: str, seed: int) -> Mesh:
     """Return a figure as a mesh that is quickly made."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
-            "stimuli.figures.surface_of",
+            "stimuli.shapes.figures.surface_of",
             lambda field, cells, reach=1.05: surface_of(field, cells // 2, reach),
         )
         return FIGURES[name](np.random.default_rng(seed))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from algorithms.errors import InputError
 from stimuli.camera import Perspective
-from stimuli.fog_layer import FogLayer
+from stimuli.scenes.fog_layer import FogLayer
 
 pytestmark = pytest.mark.usefixtures("engine")
 

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from algorithms.images import read_channels, read_labels
 from algorithms.light import Light
-from stimuli import fog_scene
 from stimuli.manifest import Stimulus, StimulusSet
+from stimuli.scenes import fog_scene
 from stimuli.sets import fog
 
 DENSITIES = {"clear": 0.0, "light": 0.05}

@@ -4,9 +4,9 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from algorithms.errors import InputError
-from stimuli.distance_fields import capsule, ellipsoid, torus, tube
-from stimuli.implicit import Field, gradient_of, smooth_union, surface_of
-from stimuli.mesh import require_closed
+from stimuli.shapes.distance_fields import capsule, ellipsoid, torus, tube
+from stimuli.shapes.implicit import Field, gradient_of, smooth_union, surface_of
+from stimuli.shapes.mesh import require_closed
 
 TURN = Rotation.from_euler("xyz", [20, 50, 70], degrees=True).as_matrix()
 RING = np.array([[np.cos(t), np.sin(t), 0] for t in np.arange(24) * np.pi / 12]) * 0.6

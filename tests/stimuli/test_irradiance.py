@@ -7,9 +7,9 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from algorithms.light import Light
-from stimuli.irradiance import entering_irradiance
-from stimuli.mesh import Mesh, Value, to_mitsuba
-from stimuli.shapes import AbstractShape
+from stimuli.shapes.displaced_spheres import AbstractShape
+from stimuli.shapes.mesh import Mesh, Value, to_mitsuba
+from stimuli.translucency.irradiance import entering_irradiance
 from tests.stimuli.bodies import UnitSphere
 
 pytestmark = pytest.mark.usefixtures("llvm")

@@ -6,9 +6,9 @@ from numpy.testing import assert_allclose
 from skimage.draw import disk, ellipse, polygon
 
 from algorithms.errors import InputError
-from stimuli.lathe import lathe, lathe_from_silhouette
-from stimuli.mesh import Mesh, require_closed
-from stimuli.vessels import bowl, goblet, vase
+from stimuli.shapes.lathe import lathe, lathe_from_silhouette
+from stimuli.shapes.mesh import Mesh, require_closed
+from stimuli.shapes.vessels import bowl, goblet, vase
 
 POLAR = np.linspace(0, np.pi, 65)
 BALL = np.column_stack([np.sin(POLAR), np.cos(POLAR)])

@@ -6,9 +6,8 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 
-from stimuli.curvature import bending_energy
-from stimuli.probe_lights import TABLE_3_1, TABLE_3_2, light_of_chapter_3
-from stimuli.probe_objects import GLOSS_EXPONENTS, PROBES, SHAPES, TEXTURE_FREQUENCIES
+from stimuli.scenes.probe_lights import TABLE_3_1, TABLE_3_2, light_of_chapter_3
+from stimuli.scenes.probe_objects import GLOSS_EXPONENTS, PROBES, SHAPES, TEXTURE_FREQUENCIES
 from stimuli.sets.lightprobes import (
     AREA_RADII_DEG,
     AZIMUTHS_DEG,
@@ -19,6 +18,7 @@ from stimuli.sets.lightprobes import (
     ProbeImage,
     design,
 )
+from stimuli.shapes.curvature import bending_energy
 
 
 def images_of(group: str, seed: int = 1, *, quick: bool = False) -> list[ProbeImage]:

@@ -8,8 +8,8 @@ from algorithms.errors import InputError
 from algorithms.light import Light, angle_between_deg
 from stimuli.camera import View
 from stimuli.engine import choose_engine
-from stimuli.probe_lights import TABLE_3_1, TABLE_3_2, disc, light_of_chapter_3, surroundings
-from stimuli.render import make_renderer
+from stimuli.light_linking.render import make_renderer
+from stimuli.scenes.probe_lights import TABLE_3_1, TABLE_3_2, disc, light_of_chapter_3, surroundings
 from tests.stimuli.bodies import matt_sphere, of_table, sphere_points
 
 VIEW = View(width_px=48, height_px=48, radius_px=21, samples=16)

@@ -15,7 +15,7 @@ from algorithms.images import read_channels, read_labels
 from algorithms.light import Light
 from stimuli.camera import CAMERA_DISTANCE, View
 from stimuli.manifest import Stimulus, StimulusSet, load
-from stimuli.probe_objects import PROBES
+from stimuli.scenes.probe_objects import PROBES
 from stimuli.sets import lightprobes
 from stimuli.sets.lightprobes import QUICK, ProbeImage
 from tests.stimuli.bodies import pixel_centres

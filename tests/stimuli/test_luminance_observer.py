@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from algorithms.files import sha256_of
 from algorithms.images import write_image, write_labels
-from stimuli.luminance_observer import (
+from stimuli.light_linking.luminance_observer import (
     HitRate,
     experienced_hit_rates,
     mean_luminances,

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from stimuli.materials import TABLE_2_1, Material, exponent_of, roughness_of, squares
-from stimuli.shapes import sphere_directions
+from stimuli.light_linking.materials import TABLE_2_1, Material, exponent_of, roughness_of, squares
+from stimuli.shapes.displaced_spheres import sphere_directions
 
 POINTS = sphere_directions(64, 128)
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from algorithms.errors import InputError
-from stimuli.media import MEASURED, Channels, Medium, medium_named
+from stimuli.translucency.media import MEASURED, Channels, Medium, medium_named
 
 # Lopez-Moreno 2011, table 9.2, columns "JMLH01": reduced albedo, reduced extinction in 1/mm.
 TABLE_9_2: dict[str, tuple[Channels, Channels]] = {

@@ -7,8 +7,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial.transform import Rotation
 
 from stimuli.engine import Engine
-from stimuli.mesh import Mesh, to_mitsuba
-from stimuli.shapes import AbstractShape
+from stimuli.shapes.displaced_spheres import AbstractShape
+from stimuli.shapes.mesh import Mesh, to_mitsuba
 from tests.stimuli.bodies import UnitSphere
 
 MATT = {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.5}}

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from algorithms.errors import InputError
-from stimuli import mesh_files, polygons
-from stimuli.mesh import Mesh, require_closed, to_mitsuba
-from stimuli.mesh_files import read_mesh
-from stimuli.shapes import AbstractShape
-from stimuli.superquadric import superquadric
+from stimuli.shapes import mesh_files, polygons
+from stimuli.shapes.displaced_spheres import AbstractShape
+from stimuli.shapes.mesh import Mesh, require_closed, to_mitsuba
+from stimuli.shapes.mesh_files import read_mesh
+from stimuli.shapes.superquadric import superquadric
 
 SHAPE = AbstractShape(np.random.default_rng(8)).mesh(16, 32)
 CUBE = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)

@@ -11,8 +11,8 @@ from scipy.ndimage import shift
 
 from algorithms.color import FloatImage
 from algorithms.errors import InputError
-from stimuli.photograph_checks import check_alike, check_clipping, exposure_stops, shift_px
-from stimuli.photographs import read_folder
+from stimuli.photographs.checks import check_alike, check_clipping, exposure_stops, shift_px
+from stimuli.photographs.folder import read_folder
 from tests.stimuli.bodies import pixel_centres
 from tests.stimuli.photographed import NAMES, TOML, VIEW, take, write_folder
 

@@ -10,8 +10,8 @@ from scipy.ndimage import binary_erosion, distance_transform_edt, shift
 from algorithms.color import FloatImage
 from algorithms.errors import InputError
 from algorithms.images import read_image, read_labels, write_image
-from stimuli.cloning import seam_of_255
 from stimuli.manifest import StimulusSet
+from stimuli.photographs.cloning import seam_of_255
 from stimuli.sets import photographs
 from tests.stimuli.photographed import NAMES, TOML, take, write_folder
 

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from algorithms.errors import InputError
-from stimuli.photon_map import EnergyBalance, PhotonMap
+from stimuli.photons.photon_map import EnergyBalance, PhotonMap
 
 UP = (0.0, 1.0, 0.0)
 Rows = NDArray[np.float64]

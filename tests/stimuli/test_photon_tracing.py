@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from algorithms.errors import InputError, UnavailableError
 from algorithms.light import Light
 from stimuli.engine import choose_engine
-from stimuli.mesh import Mesh, to_mitsuba
-from stimuli.photon_map import EnergyBalance
-from stimuli.photon_tracing import PhotonTracer, trace_photons
+from stimuli.photons.photon_map import EnergyBalance
+from stimuli.photons.photon_tracing import PhotonTracer, trace_photons
+from stimuli.shapes.mesh import Mesh, to_mitsuba
 from tests.stimuli.glass import GLASS, MIRROR, camera, floor, matt, scene, sphere
 
 ABOVE = Light(90, 0)  # +y

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
-from stimuli.power_octree import PowerOctree, cluster
-from stimuli.surface_pieces import SurfacePieces, cut_surface
+from stimuli.translucency.power_octree import PowerOctree, cluster
+from stimuli.translucency.surface_pieces import SurfacePieces, cut_surface
 from tests.stimuli.bodies import UnitSphere
 
 

@@ -8,8 +8,8 @@ import pytest
 from algorithms.light import Light
 from stimuli.camera import View
 from stimuli.engine import choose_engine
-from stimuli.render import make_renderer
-from stimuli.rigs import AMBIENT, KEY_INTENSITY
+from stimuli.light_linking.render import make_renderer
+from stimuli.light_linking.rigs import AMBIENT, KEY_INTENSITY
 from tests.stimuli.bodies import of_table
 from tests.stimuli.path_tracer import PathTracer
 

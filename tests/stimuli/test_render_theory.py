@@ -9,10 +9,10 @@ from numpy.testing import assert_allclose
 from algorithms.errors import InputError
 from algorithms.light import Light
 from stimuli.camera import CAMERA_DISTANCE, View
-from stimuli.render import make_renderer
-from stimuli.rigs import KEY_INTENSITY
-from stimuli.scene import Placed
-from stimuli.shapes import AbstractShape, sphere_directions
+from stimuli.light_linking.placed_objects import Placed
+from stimuli.light_linking.render import make_renderer
+from stimuli.light_linking.rigs import KEY_INTENSITY
+from stimuli.shapes.displaced_spheres import AbstractShape, sphere_directions
 from tests.stimuli.bodies import (
     MATT,
     UnitSphere,

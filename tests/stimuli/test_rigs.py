@@ -8,8 +8,8 @@ from numpy.testing import assert_allclose
 
 from algorithms.errors import InputError
 from algorithms.light import angle_between_deg
-from stimuli import rigs
-from stimuli.rigs import AMBIENT, CENTRE_ELEVATIONS_DEG, KEY_INTENSITY, diverging_keys
+from stimuli.light_linking import rigs
+from stimuli.light_linking.rigs import AMBIENT, CENTRE_ELEVATIONS_DEG, KEY_INTENSITY, diverging_keys
 
 PLACEMENTS = st.sampled_from(sorted(CENTRE_ELEVATIONS_DEG))
 SIDES = st.sampled_from([-1, 1])

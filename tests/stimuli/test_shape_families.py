@@ -8,13 +8,13 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from algorithms.errors import InputError
-from stimuli.curvature import bending_energy
-from stimuli.lathe import random_lathe
-from stimuli.mesh import Mesh, require_closed
-from stimuli.metaballs import random_metaballs
-from stimuli.shape_families import FAMILIES
-from stimuli.shapes import LIGHTPROBES, RuggedShape, sphere_directions
-from stimuli.superquadric import random_superquadric
+from stimuli.shapes.curvature import bending_energy
+from stimuli.shapes.displaced_spheres import LIGHTPROBES, RuggedShape, sphere_directions
+from stimuli.shapes.families import FAMILIES
+from stimuli.shapes.lathe import random_lathe
+from stimuli.shapes.mesh import Mesh, require_closed
+from stimuli.shapes.metaballs import random_metaballs
+from stimuli.shapes.superquadric import random_superquadric
 
 
 def coarse_rugged(generator: np.random.Generator, complexity: float) -> Mesh:

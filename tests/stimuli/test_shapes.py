@@ -3,7 +3,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial import ConvexHull
 
-from stimuli.shapes import AbstractShape, sphere_directions
+from stimuli.shapes.displaced_spheres import AbstractShape, sphere_directions
 
 SEEDS = range(8)
 

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from algorithms.light import Light
 from stimuli.camera import Camera, Perspective, View, light_in_frame
-from stimuli.dipole import Dipole
-from stimuli.media import MEASURED, Medium
-from stimuli.translucent import Translucent, TranslucentRenderer
+from stimuli.translucency.dipole import Dipole
+from stimuli.translucency.media import MEASURED, Medium
+from stimuli.translucency.renderer import Translucent, TranslucentRenderer
 from tests.stimuli.bodies import UnitSphere
 from tests.stimuli.test_irradiance import fresnel_transmittance
 from tests.stimuli.test_translucent import slab

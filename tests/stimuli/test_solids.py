@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from stimuli.mesh import Mesh
-from stimuli.solids import box, gable, tube
-from stimuli.trees import grow_tree
-from stimuli.village import church, house, lamp_post, marker_post
+from stimuli.scenes.trees import grow_tree
+from stimuli.scenes.village import church, house, lamp_post, marker_post
+from stimuli.shapes.mesh import Mesh
+from stimuli.shapes.solids import box, gable, tube
 
 
 def test_volumes_are_those_of_geometry() -> None:

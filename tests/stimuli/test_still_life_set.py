@@ -11,8 +11,8 @@ from algorithms.images import read_channels, read_labels
 from algorithms.light import Light
 from stimuli.engine import Engine
 from stimuli.manifest import StimulusSet
+from stimuli.scenes.still_life_scene import LIGHTINGS, OBJECTS, StillLife, camera
 from stimuli.sets import still_life
-from stimuli.still_life_scene import LIGHTINGS, OBJECTS, StillLife, camera
 from stimuli.truth import TRUTH_NAMES
 
 TINY = replace(still_life.QUICK, width_px=96, photons=20_000, samples=64)

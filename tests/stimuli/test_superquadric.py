@@ -4,8 +4,8 @@ from numpy.testing import assert_allclose
 from scipy.special import beta
 
 from algorithms.errors import InputError
-from stimuli.mesh import require_closed
-from stimuli.superquadric import superquadric
+from stimuli.shapes.mesh import require_closed
+from stimuli.shapes.superquadric import superquadric
 
 CASES = [(1.0, 1.0), (0.4, 0.4), (0.3, 1.0), (1.0, 1.5), (1.5, 0.6), (1.4, 1.4)]
 

@@ -10,9 +10,14 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from algorithms.errors import InputError
-from stimuli.mesh import Mesh
-from stimuli.shapes import AbstractShape
-from stimuli.surface_pieces import MOST_PIECES, SurfacePieces, cut_surface, surface_area
+from stimuli.shapes.displaced_spheres import AbstractShape
+from stimuli.shapes.mesh import Mesh
+from stimuli.translucency.surface_pieces import (
+    MOST_PIECES,
+    SurfacePieces,
+    cut_surface,
+    surface_area,
+)
 from tests.stimuli.bodies import UnitSphere
 
 

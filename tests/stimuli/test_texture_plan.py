@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from algorithms.light import angle_between_deg
-from stimuli.materials import ROUGHNESS, exponent_of
-from stimuli.rigs import AMBIENT
+from stimuli.light_linking.materials import ROUGHNESS, exponent_of
+from stimuli.light_linking.rigs import AMBIENT
 from stimuli.sets.texture import (
     ALBEDO_RATIO,
     CHECKERBOARDS,

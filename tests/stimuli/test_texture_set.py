@@ -14,11 +14,11 @@ from algorithms.color import encode_srgb
 from algorithms.errors import InputError
 from algorithms.images import read_channels, read_image, read_labels
 from algorithms.light import Light
-from stimuli.arrangement import BACKGROUND, COARSE, QUICK
 from stimuli.engine import choose_engine
-from stimuli.luminance_observer import most_different
+from stimuli.light_linking.arrangement import BACKGROUND, COARSE, QUICK
+from stimuli.light_linking.luminance_observer import most_different
+from stimuli.light_linking.render import make_renderer
 from stimuli.manifest import Stimulus, StimulusSet, load
-from stimuli.render import make_renderer
 from stimuli.sets import texture
 from stimuli.sets.texture import ALBEDO_RATIO, plan
 from tests.stimuli.conftest import QUICK_SEED

@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 from algorithms.errors import InputError, UnavailableError
 from algorithms.images import read_channels, read_image, read_labels
 from algorithms.light import Light
-from stimuli import translucent_bodies
 from stimuli.camera import View
-from stimuli.dipole import Dipole
 from stimuli.manifest import StimulusSet
-from stimuli.media import MEASURED
-from stimuli.mesh import Mesh
+from stimuli.scenes import translucent_bodies
+from stimuli.scenes.translucent_bodies import SHAPES, mesh_of
 from stimuli.sets import translucency
 from stimuli.sets.translucency import LIGHTS, MEDIA, RADIUS_MM, design
-from stimuli.shapes import AbstractShape
-from stimuli.translucent_bodies import SHAPES, mesh_of
+from stimuli.shapes.displaced_spheres import AbstractShape
+from stimuli.shapes.mesh import Mesh
+from stimuli.translucency.dipole import Dipole
+from stimuli.translucency.media import MEASURED
 
 
 def test_full_design_crosses_objects_media_and_lights() -> None:
@@ -71,8 +71,8 @@ def make_tiny(monkeypatch: pytest.MonkeyPatch, llvm: str) -> Callable[..., Stimu
     monkeypatch.setattr(translucent_bodies, "mesh_of", coarse)
     view = View(width_px=40, height_px=40, radius_px=18, samples=64)
     monkeypatch.setattr(translucency, "QUICK", view)
-    monkeypatch.setattr("stimuli.translucent.FEWEST_POINTS", 3000)
-    monkeypatch.setattr("stimuli.translucent.MOST_POINTS", 5000)
+    monkeypatch.setattr("stimuli.translucency.renderer.FEWEST_POINTS", 3000)
+    monkeypatch.setattr("stimuli.translucency.renderer.MOST_POINTS", 5000)
     return partial(translucency.make, seed=3, quick=True, engine="llvm")
 
 

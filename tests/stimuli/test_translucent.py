@@ -14,15 +14,20 @@ from numpy.typing import NDArray
 from algorithms.errors import InputError, UnavailableError
 from algorithms.light import Light
 from stimuli.camera import Perspective, View
-from stimuli.dipole import Dipole
 from stimuli.engine import choose_engine
-from stimuli.hierarchical_sum import TOLERANCE, HierarchicalSum
-from stimuli.irradiance import transmittance
-from stimuli.media import MEASURED, Medium
-from stimuli.mesh import Mesh
-from stimuli.shapes import AbstractShape
-from stimuli.surface_pieces import cut_surface
-from stimuli.translucent import MOST_POINTS, Translucent, TranslucentRenderer, exitance_sum
+from stimuli.shapes.displaced_spheres import AbstractShape
+from stimuli.shapes.mesh import Mesh
+from stimuli.translucency.dipole import Dipole
+from stimuli.translucency.hierarchical_sum import TOLERANCE, HierarchicalSum
+from stimuli.translucency.irradiance import transmittance
+from stimuli.translucency.media import MEASURED, Medium
+from stimuli.translucency.renderer import (
+    MOST_POINTS,
+    Translucent,
+    TranslucentRenderer,
+    exitance_sum,
+)
+from stimuli.translucency.surface_pieces import cut_surface
 from tests.stimuli.bodies import UnitSphere
 
 MARBLE = MEASURED["marble"]

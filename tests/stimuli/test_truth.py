@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from algorithms.errors import InputError
 from algorithms.images import read_channels, read_labels
 from stimuli.camera import Perspective
-from stimuli.mesh import Value
+from stimuli.shapes.mesh import Value
 from stimuli.truth import GroundTruth, ground_truth, regions_file, truth_files, write_truth
 
 pytestmark = pytest.mark.usefixtures("engine")

@@ -8,12 +8,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 from algorithms.errors import InputError
 from algorithms.light import Light
 from stimuli.camera import View
-from stimuli.dipole import Dipole
-from stimuli.media import MEASURED
-from stimuli.mesh import Mesh, Value, to_mitsuba
-from stimuli.shapes import AbstractShape
-from stimuli.translucent import Translucent, TranslucentRenderer
-from stimuli.two_sides import two_sides
+from stimuli.shapes.displaced_spheres import AbstractShape
+from stimuli.shapes.mesh import Mesh, Value, to_mitsuba
+from stimuli.translucency.dipole import Dipole
+from stimuli.translucency.media import MEASURED
+from stimuli.translucency.renderer import Translucent, TranslucentRenderer
+from stimuli.translucency.two_sides import two_sides
 from tests.stimuli.bodies import UnitSphere, sphere_points
 from tests.stimuli.test_irradiance import fresnel_transmittance
 

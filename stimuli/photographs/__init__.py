@@ -1,0 +1,1 @@
+"""The user's photographs of one scene under several lights: read, checked, combined."""

@@ -1,0 +1,1 @@
+"""The photon mapper: from lights through glass to matt surfaces, and the pictures of that."""

@@ -1,0 +1,1 @@
+"""What stands in the sets that show a scene."""
