@@ -105,8 +105,8 @@ def _group(stimulus: Stimulus) -> str:
 
 def _rig_of(stimulus: Stimulus) -> str:
     """Return the rig of table 3.1 by its lights, as one object stands for several."""
-    from stimuli.probe_lights import TABLE_3_1 as RIGS
-    from stimuli.probe_lights import light_of_chapter_3
+    from stimuli.scenes.probe_lights import TABLE_3_1 as RIGS
+    from stimuli.scenes.probe_lights import light_of_chapter_3
 
     given = [(light.azimuth_deg, light.elevation_deg) for light in true_lights(stimulus)]
     for name, rig in RIGS.items():
