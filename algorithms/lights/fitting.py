@@ -1,8 +1,9 @@
 """Light-source fitting: as few lights as explain the outline and the interior, all fitted together.
 
-Lopez-Moreno 2011, sec. 3.6.2, with sounder steps in the place of some printed ones. Lights are added
-one by one; each time all of them move together over outline and interior, with a loss that outliers do not rule, instead of the last
-one alone, along the outline, at a fixed maximum. Azimuth and elevation come out of one fit.
+Lopez-Moreno 2011, sec. 3.6.2, with sounder steps in the place of some printed ones. Lights are
+added one by one; each time all of them move together over outline and interior, with a loss that
+outliers do not rule, instead of the last one alone, along the outline, at a fixed maximum. Azimuth
+and elevation come out of one fit.
 """
 
 from typing import Final
