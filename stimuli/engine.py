@@ -88,6 +88,23 @@ def choose_engine(requested: str | None = None) -> Engine:
     raise AssertionError("the scalar engine always works")
 
 
+def require_kernels(what: str) -> None:
+    """Refuse the scalar engine for what is computed by kernels of Dr.Jit.
+
+    Parameters
+    ----------
+    what
+        A plural, for the message.
+
+    Raises
+    ------
+    UnavailableError
+        If the scalar engine was chosen.
+    """
+    if mi.variant() == VARIANTS["scalar"]:
+        raise UnavailableError(f"engine: {what} need llvm or cuda; apt install libllvm19")
+
+
 def engine_report() -> tuple[EngineStatus, ...]:
     """Try every engine and say what was found, the fastest first."""
     return tuple(_STATUS[engine]() for engine in get_args(Engine))

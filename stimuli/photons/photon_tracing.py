@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from algorithms.errors import InputError, UnavailableError
+from algorithms.errors import InputError
 from algorithms.light import Light
-from stimuli.engine import VARIANTS
+from stimuli.engine import require_kernels
 from stimuli.photons.kernel_values import random_numbers
 from stimuli.photons.photon_emission import Source, sources_of
 from stimuli.photons.photon_map import EnergyBalance, PhotonMap
@@ -64,10 +64,7 @@ class PhotonTracer:
     """
 
     def __init__(self, scene: Value, lights: Sequence[Light] | None = None) -> None:
-        if mi.variant() == VARIANTS["scalar"]:
-            raise UnavailableError(
-                "engine: the scalar one traces no photons; apt install libllvm19 for the fast one"
-            )
+        require_kernels("photons")
         self.scene = scene
         self.aims = aims_of(scene)
         box = scene.bbox()

@@ -30,7 +30,7 @@ import numpy as np
 from algorithms.images import write_channels
 from stimuli.camera import Perspective
 from stimuli.convergence import NOISE_LIMIT, Converged, render_until
-from stimuli.engine import choose_engine
+from stimuli.engine import choose_engine, require_kernels
 from stimuli.exposure import exposure_for, write_shown
 from stimuli.making import Job, Plan, Progress, make_set, no_progress, recipe_of
 from stimuli.manifest import Role, Stimulus, StimulusSet
@@ -188,6 +188,7 @@ def make(
         If only the scalar engine works here.
     """
     chosen = choose_engine(engine)
+    require_kernels("photons")
     recipe = recipe_of("caustics", f"{__name__}.make", {"quick": quick}, seed, chosen)
     return make_set(folder, recipe, lambda: _plan(seed, quick), progress)
 

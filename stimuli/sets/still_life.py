@@ -17,7 +17,7 @@ import numpy as np
 from algorithms.images import read_channels, write_channels
 from stimuli.camera import Perspective
 from stimuli.convergence import render_until
-from stimuli.engine import choose_engine
+from stimuli.engine import choose_engine, require_kernels
 from stimuli.exposure import exposure_for, write_shown
 from stimuli.making import Job, Plan, Progress, make_set, no_progress, recipe_of
 from stimuli.manifest import Stimulus, StimulusSet
@@ -97,9 +97,9 @@ def make(
         If only the scalar engine works here.
     """
     size = QUICK if quick else FULL
-    recipe = recipe_of(
-        "still-life", f"{__name__}.make", {"quick": quick}, seed, choose_engine(engine)
-    )
+    chosen = choose_engine(engine)
+    require_kernels("photons")
+    recipe = recipe_of("still-life", f"{__name__}.make", {"quick": quick}, seed, chosen)
 
     def plan() -> Plan:
         life = StillLife(np.random.default_rng([seed, 0]))

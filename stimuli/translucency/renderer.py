@@ -13,10 +13,10 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from algorithms.errors import InputError, UnavailableError
+from algorithms.errors import InputError
 from algorithms.light import Light
 from stimuli.camera import Camera, light_in_scene
-from stimuli.engine import VARIANTS
+from stimuli.engine import require_kernels
 from stimuli.shapes.mesh import Mesh, to_mitsuba
 from stimuli.translucency.dipole import Dipole
 from stimuli.translucency.hierarchical_sum import TOLERANCE, HierarchicalSum
@@ -112,10 +112,7 @@ class TranslucentRenderer:
     """
 
     def __init__(self, body: Translucent, points: int | None = None) -> None:
-        if mi.variant() == VARIANTS["scalar"]:
-            raise UnavailableError(
-                "engine: translucent objects need llvm or cuda; apt install libllvm19"
-            )
+        require_kernels("translucent objects")
         self.body = body
         self.points = self._points_for_medium() if points is None else points
         check_count(self.points)

@@ -15,7 +15,7 @@ from stimuli.scenes.still_life_scene import LIGHTINGS, OBJECTS, StillLife, camer
 from stimuli.sets import still_life
 from stimuli.truth import TRUTH_NAMES
 
-TINY = replace(still_life.QUICK, width_px=96, photons=20_000, samples=64)
+TINY = replace(still_life.QUICK, width_px=72, photons=100_000, samples=64)
 
 
 def make_tiny(folder: Path, size: still_life.Size = TINY) -> StimulusSet:
