@@ -98,7 +98,7 @@ class Size:
     eye_samples: int
 
 
-FULL: Final = Size(640, 64, 16, 2_000_000, 64)
+FULL: Final = Size(512, 64, 16, 1_500_000, 64)
 QUICK: Final = Size(96, 64, 16, 200_000, 64)
 _SMALL: Final = Size(80, 16, 4, 50_000, 16)
 
@@ -165,7 +165,7 @@ def make(
     seed
         Varies the objects' proportions, and draws all samples; 0 or more.
     quick
-        A fifth of the width, the simplest and the most complex object at two lights.
+        A fifth of the width, and two of the objects at two lights.
     engine
         `cuda`, `llvm`, or None for the fastest; photons need one of them.
     progress
