@@ -102,6 +102,40 @@ def render_until(
     return Converged(mean[..., :3], coverage, (even, odd), noise, passes)
 
 
+def render_on_top_of(
+    below: Sequence[Image],
+    render: Pass,
+    exposure: float,
+    *,
+    seed: int,
+    limit_of_255: float = NOISE_LIMIT,
+) -> Converged:
+    """Add light to an image without much noise, until the noise of their sum is below a limit.
+
+    Even passes get its even half, and odd ones the other: so the sum's noise is estimated.
+
+    Parameters
+    ----------
+    below
+        The image's even and odd `halves`, as in `Converged`.
+    render
+        Renders one pass of what is added; called with seeds that differ.
+    exposure, seed, limit_of_255
+        As in `render_until`.
+
+    Raises
+    ------
+    InputError
+        As in `render_until`.
+    """
+    return render_until(
+        lambda number: below[(number - seed) % 2] + render(number),
+        exposure,
+        seed=seed,
+        limit_of_255=limit_of_255,
+    )
+
+
 def _noise(halves: Sequence[NDArray[np.float64]], passes: int, exposure: float) -> float:
     first, second = (half[..., :3] * (2 / passes) for half in halves)
     return half_difference_rms_of_255(first, second, exposure)

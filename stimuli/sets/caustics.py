@@ -29,7 +29,7 @@ import numpy as np
 
 from algorithms.images import write_channels
 from stimuli.camera import Perspective
-from stimuli.convergence import NOISE_LIMIT, Converged, render_until
+from stimuli.convergence import NOISE_LIMIT, Converged, render_on_top_of, render_until
 from stimuli.engine import choose_engine, require_kernels
 from stimuli.exposure import exposure_for, write_shown
 from stimuli.making import Job, Plan, Progress, make_set, no_progress, recipe_of
@@ -271,10 +271,13 @@ class _Studio:
         if method not in COMPARED:
             return self._base(method, light_deg)
         caustics = self._caustics(method, light_deg)
-        return self._on_top_of(
-            self._base("no-caustics", light_deg),
-            lambda number, first: caustics.render_pass(number, first)[0],
-            self._seed_of(method, light_deg),
+        first = self._seed_of(method, light_deg)
+        return render_on_top_of(
+            self._base("no-caustics", light_deg).halves,
+            lambda seed: caustics.render_pass(seed - first, first)[0],
+            self.exposure,
+            seed=first,
+            limit_of_255=self._limit,
         )
 
     @cached_property
@@ -287,10 +290,12 @@ class _Studio:
         """Return the picture of the opaque object, or of glass without caustics."""
         if (method, light_deg) not in self._bases:
             scene = self._material(method)(light_deg)
-            self._bases[method, light_deg] = self._on_top_of(
-                self._under_sky(method),
-                lambda number, first: self._trace(scene, first + number, self._size.key_samples),
-                self._seed_of(method, light_deg),
+            self._bases[method, light_deg] = render_on_top_of(
+                self._under_sky(method).halves,
+                lambda seed: self._trace(scene, seed, self._size.key_samples),
+                self.exposure,
+                seed=self._seed_of(method, light_deg),
+                limit_of_255=self._limit,
             )
         return self._bases[method, light_deg]
 
@@ -305,20 +310,6 @@ class _Studio:
                 limit_of_255=_SKY_NOISE * self._limit,
             )
         return self._skies[method]
-
-    def _on_top_of(
-        self, below: Converged, render: Callable[[int, int], Image], first: int
-    ) -> Converged:
-        """Add passes, by their number and the first one's seed, to a picture without much noise.
-
-        Even passes get its even half, and odd ones the other: so the sum's noise is estimated.
-        """
-        return render_until(
-            lambda seed: below.halves[(seed - first) % 2] + render(seed - first, first),
-            self.exposure,
-            seed=first,
-            limit_of_255=self._limit,
-        )
 
     def _caustics(self, method: str, light_deg: int) -> CausticRenderer:
         real = self.scene.transparent(light_deg)

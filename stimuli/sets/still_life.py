@@ -16,7 +16,7 @@ import numpy as np
 
 from algorithms.images import read_channels, write_channels
 from stimuli.camera import Perspective
-from stimuli.convergence import render_until
+from stimuli.convergence import render_on_top_of, render_until
 from stimuli.engine import choose_engine, require_kernels
 from stimuli.exposure import exposure_for, write_shown
 from stimuli.making import Job, Plan, Progress, make_set, no_progress, recipe_of
@@ -194,11 +194,8 @@ class _Make:
         write_truth(folder, STEM, lambda: ground_truth(lit.scene, lit.view, lit.numbers))
         sky = self.sky.halves(folder)
         # Under one light at a time the path tracer need not choose, and direct light has no noise.
-        # The even passes get the sky's even half: so the noise of the sum is estimated.
-        made = render_until(
-            lambda seed: sky[(seed - self.seed) % 2] + lit.render(seed, self.seed),
-            self.exposure,
-            seed=self.seed,
+        made = render_on_top_of(
+            sky, lambda seed: lit.render(seed, self.seed), self.exposure, seed=self.seed
         )
         write_channels(folder / _radiance_file(lit.name), made.radiance)
         write_shown(folder / f"images/{lit.name}.png", made.radiance, self.exposure)
