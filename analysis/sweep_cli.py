@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from stimuli.cli import progress_bar
 
 app = typer.Typer(no_args_is_help=True, help="Sweep an algorithm's error over hard conditions.")
 
@@ -33,20 +33,8 @@ def lights(
     from stimuli.manifest import load
 
     stimuli, out = load(folder), make_folder(out)
-    console = Console(stderr=True)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
-        task = bar.add_task("sweep lights", total=None)
-        rows = sweep_lights(
-            stimuli,
-            np.random.default_rng(seed),
-            progress=lambda done, total: bar.update(task, completed=done, total=total),
-        )
+    with progress_bar("sweep lights") as progress:
+        rows = sweep_lights(stimuli, np.random.default_rng(seed), progress=progress)
     summary = long_table(rows, FACTORS)
     tables = {"table-3-1": table_3_1(stimuli), "table-3-2": table_3_2(stimuli)}
     for name, table in {"errors": rows, "summary": summary, **tables}.items():

@@ -1,7 +1,8 @@
 """The commands of `trompe stimuli`."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -87,6 +88,15 @@ def make_with_progress(
     """Make a set as `stimuli.sets` does, with a progress bar where there is a terminal."""
     from stimuli.sets import maker
 
+    with progress_bar(f"stimuli {name}") as progress:
+        return maker(name, options)(
+            folder, seed=seed, quick=quick, engine=engine, progress=progress
+        )
+
+
+@contextmanager
+def progress_bar(label: str) -> Iterator[Callable[[int, int], None]]:
+    """Show a progress bar where there is a terminal; it is told how many of how many are done."""
     console = Console(stderr=True)
     columns = (
         TextColumn("{task.description}"),
@@ -95,14 +105,8 @@ def make_with_progress(
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
-        task = bar.add_task(f"stimuli {name}", total=None)
-        return maker(name, options)(
-            folder,
-            seed=seed,
-            quick=quick,
-            engine=engine,
-            progress=lambda done, total: bar.update(task, completed=done, total=total),
-        )
+        task = bar.add_task(label, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def _print_summary(stimuli: StimulusSet, as_json: bool) -> None:
