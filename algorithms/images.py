@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageOps, UnidentifiedImageError
 
 from algorithms.color import FloatImage, decode_srgb, encode_srgb
+from algorithms.deep_images import bits_per_channel, read_deep, size_px, write_radiance
 from algorithms.errors import InputError
 from algorithms.files import write_atomically
 
@@ -19,45 +20,94 @@ MAX_PIXELS = 100_000_000
 
 _JPEG_QUALITY = 95
 _DISPLAY_SUFFIXES = (".png", ".jpg", ".jpeg")
-_SUFFIXES = (*_DISPLAY_SUFFIXES, ".exr")
+_TIFF_SUFFIXES = (".tif", ".tiff")
+_WRITTEN_SUFFIXES = (*_DISPLAY_SUFFIXES, ".exr", ".hdr")
+_READ_SUFFIXES = (*_WRITTEN_SUFFIXES, *_TIFF_SUFFIXES)
 
 
 def read_image(path: str | Path, max_pixels: int = MAX_PIXELS) -> FloatImage:
-    """Read a picture as linear light.
+    """Read an opaque picture as linear light.
 
     Parameters
     ----------
     path
-        A PNG or JPEG (taken as sRGB, opaque, grey or colour) or an OpenEXR file (taken as linear).
+        A PNG, JPEG or TIFF file (8 or 16 bits, taken as sRGB; grey, colour or palette), or an
+        OpenEXR or Radiance HDR file, or a TIFF of floating-point values (taken as linear).
     max_pixels
         Larger pictures are refused before decoding.
 
     Returns
     -------
-    Linear light, float32 `(height, width, 3)`; 0..1 for PNG and JPEG. A single channel is repeated.
+    Linear light, float32 `(height, width, 3)`; 0..1 where the file is sRGB. A single channel is
+    repeated. The alpha channel of an OpenEXR file is not read.
 
     Raises
     ------
     InputError
         If the file is missing, damaged, too large, of another format or partly transparent.
     """
+    image, alpha = read_image_and_alpha(path, max_pixels)
+    if alpha is not None:
+        raise InputError(f"{path}: transparent pixels; an opaque picture is accepted")
+    return image
+
+
+def read_image_and_alpha(
+    path: str | Path, max_pixels: int = MAX_PIXELS
+) -> tuple[FloatImage, NDArray[np.float32] | None]:
+    """Read a picture as linear light, and its alpha channel apart.
+
+    Returns
+    -------
+    What `read_image` does, and alpha, float32 `(height, width)`, 0..1, by which the colours are not
+    multiplied; None where every pixel is opaque.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged, too large or of another format.
+    """
     path = Path(path)
-    if _suffix(path) == ".exr":
+    suffix = _suffix(path, _READ_SUFFIXES)
+    if suffix == ".exr":
         channels = read_channels(path, max_pixels)
-        return np.repeat(channels, 3, axis=2) if channels.shape[2] == 1 else channels
-    encoded = _decode(path, max_pixels)
-    return decode_srgb(encoded).astype(np.float32)
+        return np.repeat(channels, 3, axis=2) if channels.shape[2] == 1 else channels, None
+    linear = suffix == ".hdr"
+    values: NDArray[np.uint8] | NDArray[np.float32]
+    if linear or suffix in _TIFF_SUFFIXES:
+        _check_size(path, *size_px(path), max_pixels)
+        values = read_deep(path)
+        linear = linear or bits_per_channel(path) == 32
+    else:
+        values = _decode(path, max_pixels)
+    if values.shape[2] > 4:
+        raise InputError(f"{path}: a picture in grey or RGB is accepted")
+    colour = values[..., : 1 if values.shape[2] < 3 else 3]
+    image = np.asarray(colour, dtype=np.float32) if linear else _decoded(colour)
+    if image.shape[2] == 1:
+        image = np.repeat(image, 3, axis=2)
+    if values.shape[2] in (1, 3):
+        return image, None
+    alpha = values[..., -1].astype(np.float32)
+    if values.dtype == np.uint8:
+        alpha /= 255
+    return image, None if (alpha == 1).all() else alpha
 
 
-def write_image(path: str | Path, image: NDArray[np.float32]) -> None:
+def write_image(
+    path: str | Path, image: NDArray[np.float32], alpha: NDArray[np.float32] | None = None
+) -> None:
     """Write linear light as a picture, the same bytes for the same values.
 
     Parameters
     ----------
     path
-        Ends in .png, .jpg or .jpeg (sRGB, 8 bits, clipped to 0..1, without metadata) or .exr.
+        Ends in .png, .jpg or .jpeg (sRGB, 8 bits, clipped to 0..1, without metadata), .hdr, or
+        .exr.
     image
         Linear light, `(height, width, 3)`; for .exr also `(height, width)` or one channel.
+    alpha
+        `(height, width)`, 0..1, for .png alone.
 
     Raises
     ------
@@ -66,7 +116,9 @@ def write_image(path: str | Path, image: NDArray[np.float32]) -> None:
         written to.
     """
     path = Path(path)
-    suffix = _suffix(path)
+    suffix = _suffix(path, _WRITTEN_SUFFIXES)
+    if alpha is not None and suffix != ".png":
+        raise InputError(f"{path}: a file ending in .png is accepted for a picture with alpha")
     if not np.isfinite(image).all():
         raise InputError("image: finite values are accepted")
     if suffix == ".exr":
@@ -74,8 +126,15 @@ def write_image(path: str | Path, image: NDArray[np.float32]) -> None:
         return
     if image.ndim != 3 or image.shape[2] != 3:
         raise InputError(f"image: (height, width, 3) is accepted, not {image.shape}")
-    picture = Image.fromarray(np.round(encode_srgb(image) * 255).astype(np.uint8))
-    write_picture(path, picture)
+    if suffix == ".hdr":
+        write_radiance(path, image)
+        return
+    # Row by row: the curve works in double precision, which large pictures have no room for.
+    encoded = np.stack([np.round(encode_srgb(row) * 255).astype(np.uint8) for row in image])
+    if alpha is not None:
+        opacity = np.round(np.clip(alpha, 0, 1) * 255).astype(np.uint8)
+        encoded = np.concatenate([encoded, opacity[..., None]], axis=2)
+    write_picture(path, Image.fromarray(encoded))
 
 
 def read_labels(path: str | Path, max_pixels: int = MAX_PIXELS) -> NDArray[np.uint8]:
@@ -177,10 +236,10 @@ def write_channels(path: str | Path, values: NDArray[np.float32 | np.float16]) -
     write_atomically(Path(path), content)
 
 
-def _suffix(path: Path) -> str:
+def _suffix(path: Path, accepted: tuple[str, ...]) -> str:
     suffix = path.suffix.lower()
-    if suffix not in _SUFFIXES:
-        raise InputError(f"{path}: a file ending in {', '.join(_SUFFIXES)} is accepted")
+    if suffix not in accepted:
+        raise InputError(f"{path}: a file ending in {', '.join(accepted)} is accepted")
     return suffix
 
 
@@ -208,19 +267,24 @@ def _opened(path: Path, max_pixels: int) -> Image.Image:
     return picture
 
 
-def _decode(path: Path, max_pixels: int) -> NDArray[np.float64]:
+def _decoded(encoded: NDArray[np.uint8] | NDArray[np.float32]) -> NDArray[np.float32]:
+    """Decode sRGB values, of 0..255 or 0..1."""
+    if encoded.dtype != np.uint8:
+        return decode_srgb(encoded.astype(np.float32)).astype(np.float32)
+    curve = decode_srgb(np.arange(256) / 255).astype(np.float32)
+    return np.asarray(curve[encoded.astype(np.uint8)])
+
+
+def _decode(path: Path, max_pixels: int) -> NDArray[np.uint8] | NDArray[np.float32]:
+    """Return the encoded values of a PNG or JPEG, 0..255 or 0..1, with alpha or without."""
     with _opened(path, max_pixels) as picture:
         if picture.format not in ("PNG", "JPEG") or picture.mode == "CMYK":
             raise InputError(f"{path}: a PNG or JPEG in grey or RGB is accepted")
+        if picture.format == "PNG" and bits_per_channel(path) == 16:
+            return read_deep(path)  # Pillow drops the lower 8 bits of colours
         upright = ImageOps.exif_transpose(picture)
-        if picture.mode.startswith("I"):
-            grey = np.asarray(upright, dtype=np.float64) / 65535
-            return np.repeat(grey[..., None], 3, axis=2)
-        if upright.has_transparency_data:
-            rgba = np.asarray(upright.convert("RGBA"))
-            if (rgba[..., 3] < 255).any():
-                raise InputError(f"{path}: transparent pixels; an opaque picture is accepted")
-        return np.asarray(upright.convert("RGB"), dtype=np.float64) / 255
+        mode = "RGBA" if upright.has_transparency_data else "RGB"
+        return np.array(upright.convert(mode))
 
 
 def write_picture(path: Path, picture: Image.Image) -> None:
@@ -231,12 +295,10 @@ def write_picture(path: Path, picture: Image.Image) -> None:
     InputError
         If the suffix is another one, or the folder cannot be written to.
     """
-    suffix = _suffix(path)
+    suffix = _suffix(path, _DISPLAY_SUFFIXES)
     stream = io.BytesIO()
     if suffix == ".png":
         picture.save(stream, format="PNG", compress_level=6)
-    elif suffix == ".exr":
-        raise InputError(f"{path}: a file ending in {', '.join(_DISPLAY_SUFFIXES)} is accepted")
     else:
         picture.save(stream, format="JPEG", quality=_JPEG_QUALITY, subsampling=0)
     write_atomically(path, stream.getvalue())

@@ -4,7 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import OpenEXR
+import OpenImageIO
 import pytest
+import tifffile
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from PIL import Image
@@ -14,6 +16,7 @@ from algorithms.errors import InputError
 from algorithms.images import (
     read_channels,
     read_image,
+    read_image_and_alpha,
     read_labels,
     write_channels,
     write_image,
@@ -174,7 +177,7 @@ def test_refuses_a_missing_file(tmp_path: Path, name: str) -> None:
         read_image(tmp_path / name)
 
 
-@pytest.mark.parametrize("suffix", [".png", ".exr"])
+@pytest.mark.parametrize("suffix", [".png", ".exr", ".hdr"])
 def test_refuses_a_damaged_file(tmp_path: Path, image: NDArray[np.float32], suffix: str) -> None:
     whole = tmp_path / f"whole{suffix}"
     write_image(whole, image)
@@ -191,8 +194,10 @@ def test_refuses_other_formats(tmp_path: Path) -> None:
     for name in ("gif.png", "cmyk.jpg"):
         with pytest.raises(InputError, match="a PNG or JPEG in grey or RGB is accepted"):
             read_image(tmp_path / name)
-    with pytest.raises(InputError, match=r"a file ending in \.png, \.jpg, \.jpeg, \.exr"):
-        read_image(tmp_path / "image.tif")
+    with pytest.raises(InputError, match=r"a file ending in \.png, \.jpg, \.jpeg, \.exr, \.hdr"):
+        read_image(tmp_path / "image.bmp")
+    with pytest.raises(InputError, match=r"a file ending in \.png, .*, \.hdr is accepted"):
+        write_image(tmp_path / "image.tif", np.zeros((2, 2, 3), np.float32))
 
 
 def test_refuses_an_exr_with_other_channels(tmp_path: Path) -> None:
@@ -219,3 +224,51 @@ def test_refuses_to_write(tmp_path: Path, image: NDArray[np.float32]) -> None:
     with pytest.raises(InputError, match=r"labels: uint8 \(height, width\) is accepted"):
         write_labels(tmp_path / "labels.png", np.zeros((2, 2), np.int64))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_radiance_hdr_keeps_one_hundredth_of_the_largest(
+    tmp_path: Path, image: NDArray[np.float32]
+) -> None:
+    # Theory: three mantissas of 8 bits share the exponent of the largest channel.
+    bright = np.maximum(image, 0) * np.float32(300)
+    write_image(tmp_path / "image.hdr", bright)
+    found = read_image(tmp_path / "image.hdr")
+    assert (np.abs(found - bright) <= bright.max(axis=2, keepdims=True) / 100).all()
+
+
+def test_sixteen_bits_are_read_as_such(tmp_path: Path) -> None:
+    # Another implementation wrote the files: 60,000 / 65,535 lies between two steps of 8 bits.
+    values = np.full((4, 5, 3), 60_000, np.uint16)
+    tifffile.imwrite(tmp_path / "deep.tif", values, photometric="rgb")
+    file = OpenImageIO.ImageOutput.create("deep.png")
+    assert file is not None
+    file.open(str(tmp_path / "deep.png"), OpenImageIO.ImageSpec(5, 4, 3, "uint16"))
+    file.write_image(values)
+    file.close()
+    for name in ("deep.tif", "deep.png"):
+        assert_allclose(read_image(tmp_path / name), decode_srgb(values / 65535), rtol=1e-5)
+
+
+def test_tiff_of_floating_point_is_linear(tmp_path: Path, image: NDArray[np.float32]) -> None:
+    tifffile.imwrite(tmp_path / "linear.tif", image, photometric="rgb")
+    assert_allclose(read_image(tmp_path / "linear.tif"), image)
+
+
+def test_palette_is_read_as_its_colours(tmp_path: Path) -> None:
+    digits = np.repeat(np.arange(0, 240, 30, dtype=np.uint8).reshape(2, 4, 1), 3, axis=2)
+    Image.fromarray(digits).quantize(8).save(tmp_path / "palette.png")
+    assert_allclose(read_image(tmp_path / "palette.png"), decode_srgb(digits / 255), rtol=1e-6)
+
+
+def test_alpha_is_read_and_written_apart(tmp_path: Path, image: NDArray[np.float32]) -> None:
+    alpha = np.linspace(0, 1, 35, dtype=np.float32).reshape(7, 5)
+    write_image(tmp_path / "image.png", image, alpha)
+    found, found_alpha = read_image_and_alpha(tmp_path / "image.png")
+    assert found_alpha is not None
+    assert_allclose(found_alpha, alpha, atol=0.5 / 255)
+    write_image(tmp_path / "opaque.png", image)
+    opaque, none = read_image_and_alpha(tmp_path / "opaque.png")
+    assert none is None
+    assert_allclose(found, opaque)  # colours are not multiplied by alpha
+    with pytest.raises(InputError, match=r"a file ending in \.png is accepted for a picture with"):
+        write_image(tmp_path / "image.jpg", image, alpha)
