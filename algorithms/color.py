@@ -75,3 +75,18 @@ def luminance(image: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
     Luminance, `(...)`, in the image's own unit; white (1, 1, 1) gives 1.
     """
     return np.asarray(np.asarray(image, dtype=np.float64) @ np.array(LUMINANCE_WEIGHTS))
+
+
+def srgb_digits(linear: NDArray[np.floating[Any]]) -> NDArray[np.uint8]:
+    """Encode display-referred linear light as sRGB digits, 0..255, of the same shape.
+
+    Parameters
+    ----------
+    linear
+        Of one dimension or more; values outside 0..1 are clipped.
+    """
+    # Row by row: the curve works in double precision, which large pictures have no room for.
+    digits = np.empty(np.shape(linear), np.uint8)
+    for place, row in enumerate(linear):
+        digits[place] = np.round(encode_srgb(row) * 255)
+    return digits

@@ -10,7 +10,7 @@ import OpenEXR
 from numpy.typing import NDArray
 from PIL import Image, ImageOps, UnidentifiedImageError
 
-from algorithms.color import FloatImage, decode_srgb, encode_srgb
+from algorithms.color import FloatImage, decode_srgb, srgb_digits
 from algorithms.deep_images import bits_per_channel, read_deep, size_px, write_radiance
 from algorithms.errors import InputError
 from algorithms.files import write_atomically
@@ -129,8 +129,7 @@ def write_image(
     if suffix == ".hdr":
         write_radiance(path, image)
         return
-    # Row by row: the curve works in double precision, which large pictures have no room for.
-    encoded = np.stack([np.round(encode_srgb(row) * 255).astype(np.uint8) for row in image])
+    encoded = srgb_digits(image)
     if alpha is not None:
         opacity = np.round(np.clip(alpha, 0, 1) * 255).astype(np.uint8)
         encoded = np.concatenate([encoded, opacity[..., None]], axis=2)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from algorithms.color import FloatImage, encode_srgb, luminance
+from algorithms.color import FloatImage, luminance, srgb_digits
 from algorithms.lights.estimate import LightEstimate
 
 # Okabe and Ito 2008, as in all figures.
@@ -46,7 +46,7 @@ def light_picture(
     An RGB picture, the image on its left.
     """
     exposed = image / max(float(np.percentile(luminance(image), _BRIGHT)), 1e-9)
-    left = Image.fromarray(np.round(encode_srgb(exposed) * 255).astype(np.uint8))
+    left = Image.fromarray(srgb_digits(exposed))
     scale = max(1, -(-_LEAST_SIDE_PX // min(left.size)))
     left = left.resize((left.width * scale, left.height * scale))
     for number, (mask, estimate) in enumerate(zip(masks, estimates, strict=True)):
@@ -80,7 +80,7 @@ def lit_sphere(estimate: LightEstimate, side_px: int) -> FloatImage:
 
 
 def _framed(sphere: FloatImage, number: int) -> Image.Image:
-    picture = Image.fromarray(np.round(encode_srgb(sphere) * 255).astype(np.uint8))
+    picture = Image.fromarray(srgb_digits(sphere))
     ImageDraw.Draw(picture).rectangle(
         (1, 1, picture.width - 2, picture.height - 2), outline=_colour(number), width=3
     )

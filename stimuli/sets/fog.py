@@ -62,7 +62,7 @@ class Size:
     detail: float
 
 
-FULL: Final = Size(480, 1.0)
+FULL: Final = Size(400, 1.0)
 QUICK: Final = Size(128, 0.4)
 _PREVIEW_WIDTH_PX: Final = 256
 
@@ -84,7 +84,7 @@ def make(
     seed
         Draws ground, plants and clouds, and the samples; 0 or more.
     quick
-        128 x 96 pixels instead of 480 x 360, coarser meshes, and two of the four densities.
+        128 x 96 pixels instead of 400 x 300, coarser meshes, and two of the four densities.
     engine
         `cuda`, `llvm`, `scalar` (hours for the full set), or None for the fastest that works.
     progress
