@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
 from algorithms.errors import InputError
+from algorithms.filters import bilateral
 
 Array = NDArray[np.float64]
 
@@ -166,37 +167,14 @@ def separate_highlights(
 def _lifted(largest: Array, guide: Array, inside: NDArray[np.bool_]) -> Array:
     """Lift the largest chromaticity to that of neighbours whose surface has the same colour."""
     lifted = np.where(inside, largest, 0)
+    space_px = max(1.0, max(largest.shape) * _SPACE_IN_SIDES)
     for _ in range(_ROUNDS):
-        smooth = np.where(inside, _joint_bilateral(lifted, guide, inside), 0)
+        smooth = bilateral(lifted, space_px, _RANGE, mask=inside, guide=guide, cells_per_sigma=1)
         rise = np.maximum(smooth - lifted, 0)
         lifted = lifted + rise
         if rise.max() < _SETTLED:
             break
     return lifted
-
-
-def _joint_bilateral(values: Array, guide: Array, inside: NDArray[np.bool_]) -> Array:
-    """Average over neighbours in space whose guide, in 0..1, is alike, on a bilateral grid.
-
-    Chen, Paris and Durand 2007: cells of one standard deviation in space and guide, blurred by one.
-    """
-    step_px = max(1.0, max(values.shape) * _SPACE_IN_SIDES)
-    rows, columns = np.nonzero(inside)
-    places = np.stack([rows / step_px, columns / step_px, guide[inside] / _RANGE]) + 1
-    cells = np.round(places).astype(int)
-    shape = tuple(int(extent) for extent in cells.max(axis=1, initial=1) + 2)
-    index = np.ravel_multi_index(tuple(cells), shape)
-    size = int(np.prod(shape))
-    sums, counts = (
-        ndimage.gaussian_filter(
-            np.bincount(index, weights, minlength=size).reshape(shape), 1.0, mode="constant"
-        )
-        for weights in (values[inside], np.ones(rows.size))
-    )
-    means = np.zeros(values.shape)
-    weight = ndimage.map_coordinates(counts, places, order=1)
-    means[inside] = ndimage.map_coordinates(sums, places, order=1) / np.maximum(weight, 1e-12)
-    return means
 
 
 def _light_colour(light_colour: ArrayLike) -> Array:
