@@ -108,6 +108,8 @@ class Session:
         ISO 8601 in UTC; `completed_at` is None until every trial has its answer.
     completion_code
         What the participant is given at the end.
+    withdrawn_at
+        When the participant withdrew, or None; of such a session nothing else is kept.
     """
 
     id: str
@@ -126,6 +128,7 @@ class Session:
     started_at: str
     completed_at: str | None = None
     completion_code: str | None = None
+    withdrawn_at: str | None = None
 
 
 @dataclass(frozen=True)

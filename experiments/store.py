@@ -1,11 +1,11 @@
-"""The response store: append-only rows in SQLite, each durable before it is acknowledged."""
+"""The response store: append-only rows in SQLite or PostgreSQL, durable before acknowledged."""
 
 import hashlib
 import hmac
 import re
 import secrets
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, Self
@@ -15,20 +15,16 @@ from sqlalchemy.engine import Connection, Engine
 
 from algorithms.errors import InputError
 from experiments import tables
+from experiments.answer_writer import AnswerWriter, ConflictError, WithdrawnError
+from experiments.database import open_database, reading, take_turns
 from experiments.responses import Event, Response, Runner, Session, now
 from experiments.study import Study
 from experiments.trials import Answer
 from stimuli.manifest import StimulusSet
 
-SCHEMA_VERSION = "1"
+__all__ = ["ConflictError", "NewSession", "Store", "WithdrawnError", "check_participant"]
+
 _PARTICIPANT = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
-
-# A repeated post is the same answer if it agrees in these.
-_IDENTITY = ("participant", "session", "trial_index", "stimuli", "answer")
-
-
-class ConflictError(InputError):
-    """Another answer is already stored for this trial; the stored one stays."""
 
 
 @dataclass(frozen=True)
@@ -55,32 +51,27 @@ class Store:
     """
 
     def __init__(self, engine: Engine) -> None:
-        self._engine = engine
+        self.engine = engine
+        self._reading = reading(engine)
+        self._writer = AnswerWriter(engine)
 
     @classmethod
     def open(cls, path_or_url: str | Path, *, must_exist: bool = False) -> Self:
-        """Open a store, making it where it does not exist.
+        """Open a store, making it where it does not exist and bringing an older one up to date.
 
         Parameters
         ----------
         path_or_url
-            A SQLite file, or the SQLAlchemy URL of a SQLite database.
+            A SQLite file, or the SQLAlchemy URL of a SQLite or PostgreSQL database.
         must_exist
             Refuse to make a new one.
 
         Raises
         ------
         InputError
-            If it does not exist, cannot be opened, or is not a store of this version.
+            If it does not exist, cannot be opened, or is of a newer version.
         """
-        store = cls(tables.open_database(path_or_url, must_exist=must_exist))
-        found = store.setting("schema", lambda: SCHEMA_VERSION)
-        if found != SCHEMA_VERSION:
-            store.close()
-            raise InputError(
-                f"{path_or_url}: a store of schema {found}, this Trompe reads {SCHEMA_VERSION}"
-            )
-        return store
+        return cls(open_database(path_or_url, must_exist=must_exist))
 
     def __enter__(self) -> Self:
         return self
@@ -89,18 +80,19 @@ class Store:
         self.close()
 
     def close(self) -> None:
-        """Close every connection."""
-        self._engine.dispose()
-
-    @contextmanager
-    def _transaction(self) -> Iterator[Connection]:
-        with self._engine.begin() as connection:
-            yield connection
+        """Store what is under way, and close every connection."""
+        self._writer.close()
+        self.engine.dispose()
 
     def setting(self, key: str, make: Callable[[], str]) -> str:
         """Return a stored setting, making it with `make()` the first time."""
-        with self._transaction() as connection:
-            query = sa.select(tables.settings.c.value).where(tables.settings.c.key == key)
+        query = sa.select(tables.settings.c.value).where(tables.settings.c.key == key)
+        with self._reading.begin() as connection:
+            value = connection.execute(query).scalar_one_or_none()
+        if value is not None:
+            return str(value)
+        with self.engine.begin() as connection:
+            take_turns(connection)
             value = connection.execute(query).scalar_one_or_none()
             if value is None:
                 value = make()
@@ -123,7 +115,8 @@ class Store:
             "manifest": stimuli.model_dump(mode="json"),
             "registered_at": now(),
         }
-        with self._transaction() as connection:
+        with self.engine.begin() as connection:
+            take_turns(connection)
             known = connection.execute(
                 sa.select(
                     tables.studies.c.study_digest,
@@ -149,7 +142,7 @@ class Store:
         )
         if name is not None:
             query = query.where(tables.studies.c.name == name)
-        with self._transaction() as connection:
+        with self._reading.begin() as connection:
             return [
                 (Study.model_validate(row.study), StimulusSet.model_validate(row.manifest))
                 for row in connection.execute(query)
@@ -166,7 +159,8 @@ class Store:
             If the participant or the number is taken.
         """
         token = secrets.token_urlsafe(24)
-        with self._transaction() as connection:
+        with self.engine.begin() as connection:
+            take_turns(connection)
             number = new.participant_number or _next_number(connection, study.name)
             participant = check_participant(new.participant or f"P{number:04d}")
             session = Session(
@@ -197,7 +191,7 @@ class Store:
 
     def session(self, identifier: str) -> Session | None:
         """Return a session by its id, or None."""
-        with self._transaction() as connection:
+        with self._reading.begin() as connection:
             row = connection.execute(
                 sa.select(tables.sessions).where(tables.sessions.c.id == identifier)
             ).one_or_none()
@@ -206,7 +200,7 @@ class Store:
     def authenticate(self, identifier: str, token: str) -> Session | None:
         """Return the session if the token is its own, else None."""
         query = sa.select(tables.sessions).where(tables.sessions.c.id == identifier)
-        with self._transaction() as connection:
+        with self._reading.begin() as connection:
             row = connection.execute(query).one_or_none()
         if row is None or not hmac.compare_digest(row.token_sha256, _hash(token)):
             return None
@@ -219,25 +213,24 @@ class Store:
         ------
         ConflictError
             If another answer is stored for this trial.
+        WithdrawnError
+            If the participant has withdrawn.
         """
-        values = vars(response) | {"stimuli": list(response.stimuli)}
-        with self._transaction() as connection:
-            row = connection.execute(
-                sa.select(tables.responses).where(tables.responses.c.id == response.id)
-            ).one_or_none()
-            if row is None:
-                connection.execute(tables.responses.insert().values(values))
-                return True
-        if all(_plain(getattr(row, key)) == _plain(values[key]) for key in _IDENTITY):
-            return False
-        raise ConflictError(f"answer: trial {response.trial_index} already has another answer")
+        return self._writer.submit(response).result()
+
+    def submit(self, response: Response) -> "Future[bool]":
+        """Begin to `record` an answer; the result comes once the answer is on the disk.
+
+        Answers that wait at the same time share a commit, so that many can be stored a second.
+        """
+        return self._writer.submit(response)
 
     def answers(self, session: str) -> dict[int, Answer]:
         """Return a session's stored answers by trial index."""
         query = sa.select(tables.responses.c.trial_index, tables.responses.c.answer).where(
             tables.responses.c.session == session
         )
-        with self._transaction() as connection:
+        with self._reading.begin() as connection:
             return {row.trial_index: _plain(row.answer) for row in connection.execute(query)}
 
     def answer_counts(self, study: str) -> dict[str, tuple[int, str]]:
@@ -248,12 +241,13 @@ class Store:
             .where(columns.study == study)
             .group_by(columns.session)
         )
-        with self._transaction() as connection:
+        with self._reading.begin() as connection:
             return {session: (n, last) for session, n, last in connection.execute(query)}
 
     def complete(self, session: str) -> str:
         """Mark a session as complete and return its completion code; the same one ever after."""
-        with self._transaction() as connection:
+        with self.engine.begin() as connection:
+            take_turns(connection)
             code = connection.execute(
                 sa.select(tables.sessions.c.completion_code).where(tables.sessions.c.id == session)
             ).scalar_one()
@@ -268,7 +262,7 @@ class Store:
 
     def add_event(self, session: str, kind: str, detail: Mapping[str, Any]) -> None:
         """Keep something that happened to a session."""
-        with self._transaction() as connection:
+        with self.engine.begin() as connection:
             connection.execute(
                 tables.events.insert().values(
                     session=session, kind=kind, detail=dict(detail), recorded_at=now()
@@ -282,7 +276,7 @@ class Store:
         )
         if study is not None:
             query = query.where(tables.responses.c.study == study)
-        with self._transaction() as connection:
+        with self._reading.begin() as connection:
             return [
                 Response(**{name: _plain(value) for name, value in row._mapping.items()})
                 for row in connection.execute(query)
@@ -295,7 +289,7 @@ class Store:
         )
         if study is not None:
             query = query.where(tables.sessions.c.study == study)
-        with self._transaction() as connection:
+        with self._reading.begin() as connection:
             return [_session_of(row) for row in connection.execute(query)]
 
     def events(self, *, study: str | None = None) -> list[Event]:
@@ -303,7 +297,7 @@ class Store:
         query = sa.select(tables.events).order_by(tables.events.c.number)
         if study is not None:
             query = query.join(tables.sessions).where(tables.sessions.c.study == study)
-        with self._transaction() as connection:
+        with self._reading.begin() as connection:
             return [
                 Event(row.session, row.kind, row.detail, row.recorded_at)
                 for row in connection.execute(query)

@@ -1,12 +1,6 @@
-"""The store's tables, and how a database with them is opened."""
-
-from pathlib import Path
-from sqlite3 import Connection as SqliteConnection
+"""The store's tables as queries see them; `experiments.migrations` makes and changes them."""
 
 import sqlalchemy as sa
-from sqlalchemy.engine import Connection, Engine, make_url
-
-from algorithms.errors import InputError
 
 metadata = sa.MetaData()
 studies = sa.Table(
@@ -39,6 +33,7 @@ sessions = sa.Table(
     sa.Column("completed_at", sa.String),
     sa.Column("completion_code", sa.String),
     sa.Column("token_sha256", sa.String, nullable=False),
+    sa.Column("withdrawn_at", sa.String),
     sa.UniqueConstraint("study", "participant_number"),
 )
 responses = sa.Table(
@@ -82,73 +77,3 @@ settings = sa.Table(
     sa.Column("key", sa.String, primary_key=True),
     sa.Column("value", sa.String, nullable=False),
 )
-
-
-def _refuse_changes(_: sa.Table, connection: Connection, **__: object) -> None:
-    """Make append-only the database's own rule, whoever writes to it."""
-    for change in ("UPDATE", "DELETE"):
-        connection.exec_driver_sql(
-            f"CREATE TRIGGER responses_refuse_{change} BEFORE {change} ON responses"
-            " BEGIN SELECT RAISE(ABORT, 'responses are never changed'); END"
-        )
-
-
-sa.event.listen(responses, "after_create", _refuse_changes)
-
-
-def open_database(path_or_url: str | Path, *, must_exist: bool) -> Engine:
-    """Open a database, making it and its tables where they do not exist.
-
-    Parameters
-    ----------
-    path_or_url
-        A SQLite file, or the SQLAlchemy URL of a SQLite database.
-    must_exist
-        Refuse to make a new one.
-
-    Raises
-    ------
-    InputError
-        If it does not exist, cannot be opened, or is no database.
-    """
-    url = _url_of(path_or_url)
-    if url.get_backend_name() != "sqlite":
-        raise InputError(f"store: {url.get_backend_name()!r} given, a SQLite file accepted")
-    file = Path(url.database or "")
-    if must_exist and not file.is_file():
-        raise InputError(f"{file}: there is no response store")
-    engine = sa.create_engine(url)
-    sa.event.listen(engine, "connect", _on_connect)
-    sa.event.listen(engine, "begin", _on_begin)
-    try:
-        metadata.create_all(engine)
-    except sa.exc.DBAPIError as error:
-        engine.dispose()
-        raise InputError(f"{file}: cannot be used as a response store ({error.orig})") from None
-    return engine
-
-
-def _url_of(path_or_url: str | Path) -> sa.URL:
-    text = str(path_or_url)
-    if "://" not in text:
-        return sa.URL.create("sqlite", database=text)
-    try:
-        return make_url(text)
-    except sa.exc.ArgumentError:
-        raise InputError(f"store: {text!r} is neither a file nor a database URL") from None
-
-
-def _on_connect(connection: SqliteConnection, _: object) -> None:
-    # The driver's own transactions would begin late; ours begin with the first statement.
-    connection.isolation_level = None
-    cursor = connection.cursor()
-    cursor.execute("PRAGMA journal_mode=WAL")
-    cursor.execute("PRAGMA synchronous=FULL")
-    cursor.execute("PRAGMA foreign_keys=ON")
-    cursor.execute("PRAGMA busy_timeout=20000")
-    cursor.close()
-
-
-def _on_begin(connection: Connection) -> None:
-    # Taking the write lock at once avoids the deadlock of two readers that both want to write.
-    connection.exec_driver_sql("BEGIN IMMEDIATE")

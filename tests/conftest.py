@@ -12,6 +12,7 @@ from experiments.store import Store
 from experiments.study import Study, load_study
 from stimuli.manifest import StimulusSet
 from tests.drawn_set import draw_set
+from tests.postgres import Cluster, programs, running_cluster
 
 # Speed lives in benchmarks; the same examples every time, so that a failure stays one.
 settings.register_profile("trompe", deadline=None, derandomize=True)
@@ -52,6 +53,22 @@ def store(tmp_path: Path) -> Iterator[Store]:
     """An empty response store."""
     with Store.open(tmp_path / "responses.sqlite") as opened:
         yield opened
+
+
+@pytest.fixture(scope="session")
+def cluster() -> Iterator[Cluster]:
+    """A running PostgreSQL."""
+    found = programs()
+    require(found, "needs PostgreSQL (apt install postgresql)")
+    assert found is not None
+    with running_cluster(found) as running:
+        yield running
+
+
+@pytest.fixture
+def postgres_url(cluster: Cluster) -> str:
+    """The URL of an empty PostgreSQL database."""
+    return cluster.new_database()
 
 
 @pytest.fixture
