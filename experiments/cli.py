@@ -29,7 +29,15 @@ StudyFile = Annotated[
     str, typer.Argument(metavar="STUDY", help="A TOML file or a ready-made name.")
 ]
 Stimuli = Annotated[Path, typer.Option(help="The folder of the stimulus set.")]
-Data = Annotated[Path, typer.Option(help="The response store, a SQLite file; made if missing.")]
+Data = Annotated[
+    str,
+    typer.Option(
+        help="The response store: a SQLite file, made if missing, or a postgresql:// URL."
+    ),
+]
+Stored = Annotated[
+    str, typer.Argument(metavar="DATA", help="The response store, a SQLite file or a URL.")
+]
 Host = Annotated[str, typer.Option(help="The address to serve at.")]
 Port = Annotated[int, typer.Option(min=0, max=65535, help="0 takes any free one.")]
 Pilot = Annotated[bool, typer.Option("--pilot", help="Flag the answers as a pilot's.")]
@@ -74,19 +82,31 @@ def serve(
     data: Data,
     host: Host = "127.0.0.1",
     port: Port = 8000,
+    workers: Annotated[
+        int, typer.Option(min=1, max=64, help="Processes; several need PostgreSQL.")
+    ] = 1,
+    public_url: Annotated[
+        str | None, typer.Option(help="What participants' browsers call the server, for the links.")
+    ] = None,
     pilot: Pilot = False,
     as_json: Json = False,
 ) -> None:
     """Serve a study to browsers until interrupted, and print the links to it."""
     from experiments import web
     from experiments.store import Store
+    from experiments.web.workers import Worker, check_workers, serve_workers
 
     loaded = load_study(study)
     stimulus_set = _verified(loaded, stimuli)
     with web.listen(host, port) as listener, Store.open(data) as store:
+        check_workers(workers, store)
         application = web.create_app(loaded, stimulus_set, store, pilot=pilot)
-        _print_facts(web.links(web.base_url(listener), loaded, store), as_json)
-        web.serve(application, listener)
+        url = (public_url or web.base_url(listener)).rstrip("/")
+        _print_facts(web.links(url, loaded, store), as_json)
+        if workers == 1:
+            web.serve(application, listener)
+        else:
+            serve_workers(Worker(loaded, stimulus_set, data, pilot), listener, workers)
 
 
 @app.command()
@@ -95,7 +115,7 @@ def simulate(
     stimuli: Stimuli,
     url: Annotated[str | None, typer.Option(help="Of a server that serves the study.")] = None,
     data: Annotated[
-        Path | None, typer.Option(help="Without --url: serve into this store for the while.")
+        str | None, typer.Option(help="Without --url: serve into this store for the while.")
     ] = None,
     participants: Annotated[int, typer.Option(min=1)] = 24,
     threshold: Annotated[
@@ -159,7 +179,7 @@ def simulate(
 
 @app.command()
 def export(
-    data: Annotated[Path, typer.Argument(metavar="DATA", help="The response store.")],
+    data: Stored,
     table: Annotated[
         Literal["responses", "sessions", "events"], typer.Option(help="Which of its tables.")
     ] = "responses",
@@ -176,14 +196,14 @@ def export(
     if output is None:
         typer.echo(text, nl=False)
         return
-    if output.resolve() == data.resolve():
+    if output.resolve() == Path(data).resolve():
         raise InputError(f"output: {output} is the store itself")
     write_atomically(output, text.encode())
 
 
 @app.command()
 def bundle(
-    data: Annotated[Path, typer.Argument(metavar="DATA", help="The response store.")],
+    data: Stored,
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="New or empty.")],
     study: Annotated[str | None, typer.Option(help="If the store holds several.")] = None,
 ) -> None:
@@ -250,7 +270,7 @@ def run_lab(
 def _simulate_comparisons(
     study: Study,
     stimuli: StimulusSet,
-    data: Path | None,
+    data: str | None,
     participants: int,
     observer: tuple[str | None, float, float, float],
     generator: np.random.Generator,
@@ -285,7 +305,7 @@ def _print_facts(facts: dict[str, Any], as_json: bool) -> None:
 
 @contextmanager
 def _server_for(
-    url: str | None, data: Path | None, study: Study, stimuli: StimulusSet
+    url: str | None, data: str | None, study: Study, stimuli: StimulusSet
 ) -> Iterator[str]:
     """Yield the given URL, or that of a server that fills the given store meanwhile."""
     if url is not None and data is None:

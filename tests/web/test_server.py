@@ -1,15 +1,11 @@
 """The server as a process: ports, pages, and what survives being killed."""
 
-import json
 import os
 import signal
 import socket
-import subprocess
-import sys
 import threading
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing, contextmanager
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from sqlite3 import connect
@@ -22,41 +18,10 @@ from experiments.store import Store
 from experiments.study import Study
 from experiments.web import create_app, listen, running_server
 from stimuli.manifest import StimulusSet
+from tests.web.serving import START_S, Served, served
 from tests.web.visitor import STUDY, Visitor
 
-ROOT = Path(__file__).parents[2]
 PARTICIPANTS = 4
-START_S = 60
-
-
-@dataclass(frozen=True)
-class Served:
-    """A server in a process of its own, started by the command that users type."""
-
-    process: subprocess.Popen[str]
-    url: str
-
-
-@contextmanager
-def served(stimuli: Path, data: Path) -> Iterator[Served]:
-    command = "from experiments.cli import app; app()"
-    options = ["serve", STUDY, "--stimuli", stimuli, "--data", data, "--port", "0", "--json"]
-    process = subprocess.Popen(
-        [sys.executable, "-c", command, *map(str, options)],
-        cwd=ROOT,
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    watchdog = threading.Timer(START_S, process.kill)
-    watchdog.start()
-    try:
-        assert process.stdout is not None
-        links = json.loads(process.stdout.readline())
-        yield Served(process, links["participants"].removesuffix(f"/s/{STUDY}/"))
-    finally:
-        watchdog.cancel()
-        process.kill()
-        process.communicate()
 
 
 @dataclass
