@@ -51,8 +51,59 @@ class PerlinNoise:
             total += gain**octave * self(np.asarray(points) * 2.0**octave)
         return total
 
+    def image(
+        self, shape: tuple[int, int], period_px: float, octaves: int, gain: float = 0.5
+    ) -> NDArray[np.float32]:
+        """Return a picture of fractal noise: that over ``(row, column, 0) / period_px``, faster.
+
+        Parameters
+        ----------
+        shape
+            Height and width.
+        period_px
+            Cells of the lattice of the first octave, more than 0.
+        octaves, gain
+            As of `fractal`.
+        """
+        total = np.zeros(shape, dtype=np.float32)
+        for octave in range(octaves):
+            step = 2.0**octave / period_px
+            rows, columns = (np.arange(extent, dtype=np.float64) * step for extent in shape)
+            self._add_plane(total, rows, columns, gain**octave)
+        return total
+
+    def _add_plane(
+        self,
+        total: NDArray[np.float32],
+        rows: NDArray[np.float64],
+        columns: NDArray[np.float64],
+        amplitude: float,
+    ) -> None:
+        """Add the noise at all pairs of a row and a column, its third coordinate 0."""
+        down, across = (np.floor(axis).astype(np.int64) for axis in (rows, columns))
+        corners = np.indices((down.max() + 2, across.max() + 2, 1))[..., 0]
+        slopes = self._gradients[self._hash(np.moveaxis(corners, 0, -1))] * amplitude
+        # Between columns first, at the lattice's few rows: values there, and slopes down from them.
+        values, steepness = (np.zeros((len(slopes), columns.size), np.float32) for _ in range(2))
+        for j in range(2):
+            step = columns - across - j
+            values += slopes[:, across + j, 1] * (step * _hat(step))
+            steepness += slopes[:, across + j, 0] * _hat(step)
+        for i in range(2):
+            step = rows - down - i
+            fade = _hat(step)
+            weight, slope = (side[:, None].astype(np.float32) for side in (fade, step * fade))
+            total += weight * values[down + i]
+            total += slope * steepness[down + i]
+
     def _hash(self, lattice: NDArray[np.int64]) -> NDArray[np.int64]:
         index = np.zeros(lattice.shape[:-1], dtype=np.int64)
         for axis in range(3):
             index = self._permutation[(index + lattice[..., axis]) % _TABLE_SIZE]
         return index
+
+
+def _hat(distance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the quintic fade: 1 at a lattice point, 0 at its neighbours."""
+    rest = 1 - np.abs(distance)
+    return np.asarray(rest**3 * (rest * (rest * 6 - 15) + 10))
