@@ -28,18 +28,7 @@ class Served:
 @contextmanager
 def served(stimuli: Path, data: Path | str, *options: str) -> Iterator[Served]:
     """Serve the ready-made study while the block runs; the server is killed, if it still runs."""
-    given = [
-        "serve",
-        STUDY,
-        "--stimuli",
-        stimuli,
-        "--data",
-        data,
-        "--port",
-        "0",
-        "--json",
-        *options,
-    ]
+    given = [STUDY, "--stimuli", stimuli, "--data", data, "--port", "0", "--json", *options]
     process = subprocess.Popen(
         [sys.executable, "-c", _COMMAND, "serve", *map(str, given)],
         cwd=ROOT,
