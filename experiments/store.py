@@ -244,6 +244,19 @@ class Store:
         with self._reading.begin() as connection:
             return {session: (n, last) for session, n, last in connection.execute(query)}
 
+    def completed_count(self, study: str) -> int:
+        """Return how many people have completed a study; no pilots, none who withdrew."""
+        columns = tables.sessions.c
+        query = sa.select(sa.func.count()).where(
+            columns.study == study,
+            columns.completed_at.is_not(None),
+            columns.withdrawn_at.is_(None),
+            columns.simulated.is_(False),
+            columns.pilot.is_(False),
+        )
+        with self._reading.begin() as connection:
+            return int(connection.execute(query).scalar_one())
+
     def complete(self, session: str) -> str:
         """Mark a session as complete and return its completion code; the same one ever after."""
         with self.engine.begin() as connection:

@@ -1,12 +1,14 @@
 """One shape for every error the server answers with."""
 
+from collections.abc import Mapping
+
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
 from algorithms.errors import InputError
-from experiments.store import ConflictError
+from experiments.store import ConflictError, WithdrawnError
 
 _CODES = {
     400: "malformed",
@@ -15,8 +17,10 @@ _CODES = {
     404: "not-found",
     405: "method-not-allowed",
     409: "conflict",
+    410: "gone",
     413: "too-large",
     422: "invalid",
+    429: "too-many",
     503: "unavailable",
 }
 
@@ -34,22 +38,32 @@ class ApiError(Exception):
         One line that says what is wrong and what is accepted.
     code
         A short word for programs, by default that of the status.
+    headers
+        What else the head of the reply says.
     more
         What else the reply carries beside `error`.
     """
 
-    def __init__(self, status: int, message: str, code: str | None = None, **more: object) -> None:
+    def __init__(
+        self,
+        status: int,
+        message: str,
+        code: str | None = None,
+        headers: Mapping[str, str] | None = None,
+        **more: object,
+    ) -> None:
         super().__init__(message)
         self.status = status
         # What a client sent may be quoted in it: of any length, with line ends, no valid Unicode.
         self.message = message[:_LONGEST_MESSAGE].encode("unicode_escape").decode()
         self.code = code or _CODES.get(status, "error")
+        self.headers = headers
         self.more = more
 
     def reply(self) -> JSONResponse:
         """Return the HTTP response: `{"error": {"code": ..., "message": ...}}`."""
         error = {"code": self.code, "message": self.message}
-        return JSONResponse({"error": error, **self.more}, self.status)
+        return JSONResponse({"error": error, **self.more}, self.status, self.headers)
 
 
 def add_error_handlers(app: FastAPI) -> None:
@@ -70,11 +84,13 @@ def _as_api_error(error: Exception) -> ApiError:
         case ApiError():
             return error
         case HTTPException():
-            return ApiError(error.status_code, str(error.detail))
+            return ApiError(error.status_code, str(error.detail), headers=error.headers)
         case RequestValidationError():
             return ApiError(422, _first_fault(error))
         case ConflictError():
             return ApiError(409, str(error))
+        case WithdrawnError():
+            return ApiError(410, str(error), "withdrawn")
         case InputError():
             return ApiError(422, str(error))
         case _:
