@@ -81,16 +81,19 @@ def relief_normals(relief: NDArray[np.floating[Any]], mask: ArrayLike) -> Plane:
         raise InputError("relief: finite values are accepted")
     normals = np.zeros((*heights.shape, 3), dtype=np.float32)
     # Rows grow downwards, y upwards.
-    normals[..., 0] = -_slope(heights, inside)
-    normals[..., 1] = _slope(heights.T, inside.T).T
+    normals[..., 0] = -slope_within(heights, inside)
+    normals[..., 1] = slope_within(heights.T, inside.T).T
     normals[..., 2] = 1
     normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
     normals[~inside] = 0
     return normals
 
 
-def _slope(heights: Plane, inside: Mask) -> Plane:
-    """Return the difference from column to column: the mean of left and right if both are in."""
+def slope_within(heights: Plane, inside: Mask) -> Plane:
+    """Return differences from column to column, `(height, width)`; 0 where there is no neighbour.
+
+    The mean of those to the left and to the right, if both neighbours are inside.
+    """
     step = np.where(inside[:, 1:] & inside[:, :-1], np.diff(heights, axis=1), np.nan)
     nothing = np.full((len(heights), 1), np.nan, dtype=np.float32)
     left, right = np.hstack([nothing, step]), np.hstack([step, nothing])

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from algorithms.color import luminance
+from algorithms.depth.body import slope_within
 from algorithms.depth.inflation import bounding_box, checked_mask, silhouette_relief
 from algorithms.depth.poisson import Mask, Plane
 from algorithms.errors import InputError
@@ -110,7 +111,8 @@ def _response(values: Plane, inside: Mask) -> Plane:
 
 def _layers(response: Plane, inside: Mask) -> tuple[Plane, Plane]:
     """Split into base and detail; both are 0 outside."""
-    gradient = np.hypot(*np.gradient(response))[inside]
+    slopes = slope_within(response, inside), slope_within(response.T, inside.T).T
+    gradient = np.hypot(*slopes)[inside]
     sigma_range = max(float(np.percentile(gradient, _GRADIENT_PERCENTILE)), _SMALLEST_RANGE)
     sigma_px = max(min(response.shape) * _SPACE_IN_SIDES, _SMALLEST_SPACE_PX)
     base = bilateral(response, sigma_px, sigma_range, mask=inside)

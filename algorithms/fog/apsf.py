@@ -87,6 +87,7 @@ def apsf_kernel(
     focal_length_px: float,
     optical_thickness: float,
     forward_scattering: float = 0.75,
+    scale: float = 1.0,
 ) -> NDArray[np.float32]:
     """Return the function as a convolution kernel, its centre at the first pixel (periodic).
 
@@ -98,14 +99,16 @@ def apsf_kernel(
         The camera's, more than 0: half the width over the tangent of half the angle of view.
     optical_thickness, forward_scattering
         As of `apsf`.
+    scale
+        By how much its angles are scaled, more than 0.
 
     Returns
     -------
-    float32, sums to 1; `apsf` at angles from the optical axis.
+    float32, sums to 1; `apsf` at the scaled angles from the optical axis.
     """
     rows, columns = (np.fft.fftfreq(extent, 1 / extent) for extent in shape)
-    angle = np.degrees(np.arctan(np.hypot(rows[:, None], columns) / focal_length_px))
-    knots = np.linspace(0, 90, 721)
+    angle = np.degrees(np.arctan(np.hypot(rows[:, None], columns) / focal_length_px)) / scale
+    knots = np.linspace(0, 180, 1441)
     values = np.interp(angle, knots, apsf(knots, optical_thickness, forward_scattering))
     return np.asarray(values / values.sum(), dtype=np.float32)
 

@@ -16,6 +16,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from algorithms.checks import checked_image
 from algorithms.errors import InputError
 from algorithms.fog.glow import Coarse, Glow
 from algorithms.fog.parameters import Fog
@@ -66,7 +67,7 @@ def add_fog(
     Lopez-Moreno 2011, sec. 6.3. The airlight as printed (algorithm 4) grows with distance without
     limit; here it saturates.
     """
-    pixels = _checked_image(image)
+    pixels = checked_image(image)
     thickness = _checked_distance(distance, pixels.shape[:2])
     if not 0 < field_of_view_deg < 180:
         raise InputError(
@@ -148,15 +149,6 @@ def _strips(shape: tuple[int, ...], whole: int = 1) -> Iterator[slice]:
     rows = max(1, _STRIP_PX // shape[1] // whole) * whole
     for start in range(0, shape[0], rows):
         yield slice(start, min(start + rows, shape[0]))
-
-
-def _checked_image(image: NDArray[np.floating[Any]]) -> Plane:
-    pixels = np.asarray(image, dtype=np.float32)
-    if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.size == 0:
-        raise InputError(f"image: (height, width, 3) is accepted, not {pixels.shape}")
-    if not (pixels.min() >= 0 and pixels.max() < np.inf):
-        raise InputError("image: finite values of 0 or more are accepted")
-    return pixels
 
 
 def _checked_distance(distance: ArrayLike, shape: tuple[int, ...]) -> Plane:

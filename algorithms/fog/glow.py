@@ -65,14 +65,16 @@ class Glow:
         self._cell_px = coarse.cell_px
         rows, columns = coarse.means.shape[:2]
         half = np.radians(field_of_view_deg) / 2
-        focal_length = width_px / coarse.cell_px / 2 / np.tan(half) * fog.glow_scale
+        focal_length = width_px / coarse.cell_px / 2 / np.tan(half)
         # Beyond its border the picture is taken to go on as its mirror image.
         mirrored = np.pad(coarse.means, ((rows, rows), (columns, columns), (0, 0)), "symmetric")
         shape = mirrored.shape[:2]
         spectrum = fft.rfft2(mirrored, axes=(0, 1), workers=2)
         spread = []
         for thickness in _THICKNESSES:
-            kernel = apsf_kernel(shape, focal_length, thickness, fog.forward_scattering)
+            kernel = apsf_kernel(
+                shape, focal_length, thickness, fog.forward_scattering, fog.glow_scale
+            )
             product = spectrum * fft.rfft2(kernel)[..., None]
             plane = fft.irfft2(product, s=shape, axes=(0, 1), workers=2)
             spread.append(plane[rows : 2 * rows, columns : 2 * columns])

@@ -55,3 +55,12 @@ def test_the_generator_alone_decides() -> None:
     again, other = (PerlinNoise(np.random.default_rng(seed))(points) for seed in (3, 4))
     assert (again == NOISE(points)).all()
     assert abs(np.corrcoef(other, again)[0, 1]) < 0.5
+
+
+@given(st.floats(2, 80), st.integers(1, 4), st.floats(0.2, 0.9))
+def test_a_picture_of_it_is_the_same_noise(period_px: float, octaves: int, gain: float) -> None:
+    # Another implementation: the points one by one.
+    rows, columns = np.indices((13, 17)) / period_px
+    points = np.stack([rows, columns, np.zeros_like(rows)], axis=-1)
+    picture = NOISE.image((13, 17), period_px, octaves, gain)
+    assert_allclose(picture, NOISE.fractal(points, octaves, gain), atol=1e-5)
