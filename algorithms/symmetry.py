@@ -107,14 +107,10 @@ def symmetry_energy(
     polarity: Polarity = "both",
 ) -> SymmetryEnergy:
     """Return the terms whose ratio is `phase_symmetry`, for the same image and settings."""
-    pixels = _checked(image, noise_deviations, polarity)
-    lowest, highest = pixels.min(), pixels.max()
-    epsilon = max(EPSILON * float(highest - lowest), float(np.finfo(np.float32).tiny))
+    pixels, epsilon = _checked(image, noise_deviations, polarity)
     streams = _STREAMS if pixels.size <= _SMALL else 1
-    # About its middle the numbers are small, so that float32 is enough for a bright image.
-    centred = pixels - (lowest / 2 + highest / 2)
-    filtering = _Filtering(centred, bank, polarity, max(1, _cores() // streams))
-    del pixels, centred
+    filtering = _Filtering(pixels, bank, polarity, max(1, _cores() // streams))
+    del pixels
     angles_deg = (bank.angles_deg[first::streams] for first in range(streams))
     with ThreadPoolExecutor(streams) as pool:
         sums = list(pool.map(filtering.sums_along, angles_deg))
@@ -126,6 +122,45 @@ def symmetry_energy(
     noise = sum(max(_noise(median, bank, noise_deviations), epsilon) for median in medians)
     energy -= np.float32(noise)
     return SymmetryEnergy(energy, amplitude, epsilon)
+
+
+def symmetry_by_angle(
+    image: NDArray[np.floating[Any]],
+    weights: NDArray[np.floating[Any]],
+    bank: LogGaborBank,
+    angles_deg: Sequence[float],
+) -> NDArray[np.float64]:
+    """Return how symmetric an image is as a whole along each of some orientations.
+
+    Parameters
+    ----------
+    image
+        `(height, width)`, finite; it is taken as periodic.
+    weights
+        `(height, width)`, 0 or more: how much each point counts.
+    bank
+        The filters; its own orientations do not matter, but how many there are sets their breadth.
+    angles_deg
+        The orientations, counter-clockwise from +x.
+
+    Returns
+    -------
+    The energy of symmetry, |even| - |odd| where that is positive, for each orientation.
+
+    Raises
+    ------
+    InputError
+        If the image is not as described.
+    """
+    pixels, _ = _checked(image, 0.0, "both")
+    filtering = _Filtering(pixels, bank, "both", 1)
+
+    def energy(angle_deg: float) -> float:
+        found = filtering.sums_along([angle_deg]).energy
+        return float((np.maximum(found, 0) * weights).sum())
+
+    with ThreadPoolExecutor(_STREAMS) as pool:
+        return np.fromiter(pool.map(energy, angles_deg), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -213,8 +248,12 @@ def _cores() -> int:
 
 def _checked(
     image: NDArray[np.floating[Any]], noise_deviations: float, polarity: Polarity
-) -> Plane:
-    pixels = np.ascontiguousarray(image, dtype=np.float32)
+) -> tuple[Plane, float]:
+    """Return the image about its middle, and the amplitude that counts as none.
+
+    About its middle the numbers are small, so that float32 is enough for a bright image.
+    """
+    pixels = np.asarray(image, dtype=np.float32)
     if pixels.ndim != 2 or pixels.size == 0:
         raise InputError(f"image: (height, width) is accepted, not {pixels.shape}")
     if not np.isfinite(pixels).all():
@@ -223,4 +262,6 @@ def _checked(
         raise InputError("noise_deviations: a finite number of 0 or more is accepted")
     if polarity not in get_args(Polarity):
         raise InputError(f"polarity: one of {', '.join(get_args(Polarity))} is accepted")
-    return pixels
+    lowest, highest = pixels.min(), pixels.max()
+    epsilon = max(EPSILON * float(highest - lowest), float(np.finfo(np.float32).tiny))
+    return pixels - (lowest / 2 + highest / 2), epsilon
