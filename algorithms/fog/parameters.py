@@ -31,7 +31,7 @@ class Fog:
     airlight
         Linear red, green and blue of fog too dense to look through, relative to the picture's
         white (`white_level`), so that the exposure does not matter; each 0 or more. None for the
-        mean of the picture: what is scattered here comes from everywhere.
+        mean of the picture with half of its saturation: what is scattered comes from everywhere.
     desaturation, shadow_lift, highlight_attenuation
         How far colours, shadows and highlights give way where the fog is opaque, 0..1. Colours turn
         to the airlight's; shadows are filled up to `SHADOW_STOPS` below white.
@@ -41,8 +41,9 @@ class Fog:
         How much of the light scattered by small angles is seen around its source instead of being
         spread evenly, 0..1.
     glow_scale
-        By how much the angles of the point-spread function are scaled, more than 0; 1 is physical,
-        less makes halos smaller and blurs more.
+        By how much the angles of the point-spread function are scaled, more than 0. The series is
+        wide even where light is scattered once only; 0.25 comes closest to path-traced fog. Less
+        makes halos smaller, and what is behind them more blurred.
     noise_amplitude
         How much the density varies, 0..1; 0 for homogeneous fog.
     noise_octaves, noise_period_px
@@ -62,7 +63,7 @@ class Fog:
     highlight_attenuation: float = 0.5
     forward_scattering: float = 0.75
     glow: float = 1.0
-    glow_scale: float = 1.0
+    glow_scale: float = 0.25
     noise_amplitude: float = 0.0
     noise_octaves: int = 5
     noise_period_px: float = 300.0

@@ -22,6 +22,7 @@ SHADOW_STOPS: Final = 5.0
 
 _WHITE_PERCENTILE: Final = 99.0
 _LOWEST_HIGHLIGHT_PERCENTILE: Final = 95.0
+_LIGHT_SATURATION: Final = 0.5
 _SAMPLES: Final = 1 << 18
 _WEIGHTS: Final = np.array(LUMINANCE_WEIGHTS, dtype=np.float32)
 
@@ -75,7 +76,7 @@ def tones_of(image: NDArray[np.floating[Any]], fog: Fog) -> Tones:
     image
         Linear light, `(height, width, 3)`.
     fog
-        Gives the airlight, or leaves it to the picture.
+        Gives the airlight, or leaves it to the picture: what is scattered comes from everywhere.
 
     Notes
     -----

@@ -272,9 +272,10 @@ def test_airlight_has_its_luminance_and_hue() -> None:
         ("noise_period_px", 0),
     ],
 )
-def test_impossible_fog_is_refused(name: str, value: Any) -> None:
+def test_impossible_fog_is_refused(name: str, value: float | tuple[float, ...]) -> None:
+    changed: dict[str, Any] = {name: value}
     with pytest.raises(InputError, match=f"{name}: .* accepted"):
-        replace(PLAIN, **{name: value})
+        replace(PLAIN, **changed)
 
 
 def test_bad_input_is_refused() -> None:
