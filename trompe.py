@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 import algorithms.cli
+import algorithms.edits.cli
 import analysis.cli
 import analysis.sweep_cli
 import experiments.cli
@@ -32,6 +33,7 @@ app = typer.Typer(
 )
 app.add_typer(stimuli.cli.app, name="stimuli")
 app.add_typer(experiments.cli.app, name="study")
+app.add_typer(algorithms.edits.cli.app, name="edit")
 app.command("lights")(algorithms.cli.lights)
 app.add_typer(analysis.sweep_cli.app, name="sweep")
 app.command("analyse")(analysis.cli.analyse)
