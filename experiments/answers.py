@@ -1,8 +1,10 @@
 """From what a participant did to the row that is stored."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from algorithms.errors import InputError
+from experiments.ordering import is_ranking
 from experiments.responses import Input, Response, Session, now, response_id
 from experiments.study import Study
 from experiments.trials import Answer, Assignment, Trial, planned_trials
@@ -46,6 +48,18 @@ def make_response(
         If the session has no such trial, or the answer is not one of the choices.
     """
     trials = planned_trials(study, stimuli, Assignment(session.participant_number))
+    return response_in(trials, study, session, trial_index, answer, measured)
+
+
+def response_in(
+    trials: Sequence[Trial],
+    study: Study,
+    session: Session,
+    trial_index: int,
+    answer: Answer,
+    measured: Measurement,
+) -> Response:
+    """Return the row of an answer as `make_response` does, of trials that are known already."""
     if not 0 <= trial_index < len(trials):
         raise InputError(f"trial_index: {trial_index} given, 0 to {len(trials) - 1} accepted")
     trial = trials[trial_index]
@@ -76,8 +90,9 @@ def make_response(
 def is_possible(study: Study, trial: Trial, answer: Answer) -> bool:
     """Return whether an answer is one that the trial's task allows."""
     if study.task == "ranking":
-        ranks = range(1, len(trial.stimuli) + 1)
-        return isinstance(answer, tuple) and sorted(answer) == list(ranks)
+        if not isinstance(answer, tuple) or len(answer) != len(trial.stimuli):
+            return False
+        return is_ranking(answer, ties=study.answers.ties)
     lowest, highest = _bounds(study)
     return isinstance(answer, int) and lowest <= answer <= highest
 
@@ -88,7 +103,8 @@ def accepted_answers(study: Study, trial: Trial) -> str:
     The words fit the sentence `... given, 1 to 8 accepted`.
     """
     if study.task == "ranking":
-        return f"the ranks 1 to {len(trial.stimuli)}, each once,"
+        once = "ties by the best rank they share" if study.answers.ties else "each once"
+        return f"the ranks 1 to {len(trial.stimuli)}, {once},"
     lowest, highest = _bounds(study)
     return f"{lowest} to {highest}"
 

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from algorithms.errors import InputError
-from experiments.study import DemographicsField, Study
+from experiments.study import Study
+from experiments.study_parts import DemographicsField
 
 GENDERS = ("female", "male", "other", "undisclosed")
 OLDEST_AGE = 120

@@ -4,25 +4,31 @@ import hashlib
 import math
 import tomllib
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    StringConstraints,
-    ValidationError,
-    model_validator,
+from pydantic import Field, ValidationError, model_validator
+
+from algorithms.errors import InputError
+from experiments.study_parts import (
+    Analysis,
+    Answers,
+    Consent,
+    DemographicsField,
+    Design,
+    Exclusion,
+    Name,
+    Part,
+    Practice,
+    Screen,
+    Stimuli,
+    Stopping,
+    Task,
+    Text,
+    Timing,
 )
-
-from algorithms.errors import InputError, UnavailableError
 from stimuli.manifest import StimulusSet, first_fault
 
-Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
-Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
-DemographicsField = Literal["age", "gender", "artistic_background"]
-
-Task = Literal["odd-one-out", "two-alternative", "yes-no", "ranking"]
+__all__ = ["READY_MADE", "Exclusion", "Study", "Task", "check_stimuli", "load_study"]
 
 # A task compares single images, pairs of them, or whole sets.
 _DESIGN_OF_TASK: dict[Task, str] = {
@@ -31,156 +37,27 @@ _DESIGN_OF_TASK: dict[Task, str] = {
     "two-alternative": "pairs",
     "ranking": "sets",
 }
-# Keys that came after the first studies were run.
+# Keys and parts that came after the first studies were run.
 _LATER_KEYS = {
     "stimuli": ("item", "within"),
+    "timing": ("image_s", "mask_s"),
     "exclusion": ("catch_level", "least_catch_share", "largest_late_share"),
 }
-_PRESENTED: tuple[Task, ...] = ("odd-one-out",)
+_LATER_PARTS = ("answers", "analysis")
+# Keys that only some tasks have a use for.
+_TASKS_OF_KEY: tuple[tuple[str, tuple[Task, ...]], ...] = (
+    ("timing.image_s", ("yes-no", "two-alternative")),
+    ("timing.mask_s", ("two-alternative",)),
+    ("answers.labels", ("yes-no", "ranking")),
+    ("answers.ties", ("ranking",)),
+    ("exclusion.catch_level", ("odd-one-out",)),
+    ("analysis.equivalence_margin", ("two-alternative",)),
+)
 
 READY_MADE = Path(__file__).parent / "studies"
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class Stimuli(_Part):
-    """Which stimuli are shown, and what of them is analysed.
-
-    Attributes
-    ----------
-    set
-        The name of the stimulus set (`trompe stimuli make SET DIR` makes it).
-    choices
-        How many objects a participant can choose among in `odd-one-out`; chance is 1 / choices.
-    item
-        The factor whose levels are compared in `two-alternative` and `ranking`, and judged in
-        `yes-no`: for instance the method that made an image.
-    within
-        The factors that are equal for all images that are compared at once.
-    level
-        The factor whose threshold is sought, or None.
-    level_unit
-        Its unit, as figures print it.
-    conditions
-        The factors that split the analysis.
-    encoding
-        How the images' values relate to light; it must be the set's own.
-    """
-
-    set: Name
-    choices: int | None = Field(default=None, ge=2, le=9)
-    item: str | None = None
-    within: tuple[str, ...] = ()
-    level: str | None = None
-    level_unit: str = ""
-    conditions: tuple[str, ...] = ()
-    encoding: Literal["srgb"] = "srgb"
-
-
-class Design(_Part):
-    """The order of the main trials.
-
-    Attributes
-    ----------
-    kind
-        `factorial`: every main stimulus; `pairs`: every pair of items within the same levels of
-        the other factors, left and right balanced; `sets`: all such items at once. The order is
-        another one for every participant.
-    repeats
-        How often each stimulus, pair or set is shown; no image follows itself where that can be.
-    seed
-        With the participant's number it fixes every order.
-    """
-
-    kind: Literal["factorial", "pairs", "sets"] = "factorial"
-    repeats: int = Field(default=1, ge=1, le=100)
-    seed: int = Field(ge=0)
-
-
-class Practice(_Part):
-    """Trials before the main ones, with the set's practice stimuli."""
-
-    trials: int = Field(ge=0, le=100)
-    feedback: bool = True
-
-
-class Timing(_Part):
-    """Durations within a trial.
-
-    Attributes
-    ----------
-    blank_s
-        The empty screen before each stimulus.
-    time_limit_s
-        How long an answer may take, or None for no limit; a trial without an answer in that time
-        is stored with the answer None.
-    """
-
-    blank_s: float = Field(default=0.5, ge=0, le=10)
-    time_limit_s: float | None = Field(default=None, gt=0, le=3600)
-
-
-class Consent(_Part):
-    """What a participant agrees to; its version is stored with the session."""
-
-    version: Text
-    text: Text
-
-
-class Screen(_Part):
-    """The smallest usable window, in CSS pixels on the web and in pixels in the lab."""
-
-    minimum_width_px: int = Field(default=0, ge=0, le=10_000)
-    minimum_height_px: int = Field(default=0, ge=0, le=10_000)
-
-
-class Stopping(_Part):
-    """How many complete participants end the collection."""
-
-    participants: int = Field(ge=1)
-
-
-class Exclusion(_Part):
-    """Who is left out of the analysis; declared before the first answer.
-
-    Attributes
-    ----------
-    incomplete
-        Leave out participants who did not finish.
-    shortest_median_s
-        Leave out participants whose median time per main answer is below this.
-    catch_level
-        Of `odd-one-out`: main trials at this level or above are catch trials, plain to see for who
-        pays attention. They only tell whose answers count, and are in no result themselves.
-    least_catch_share
-        Leave out participants who are right in a smaller share of the catch trials.
-    largest_late_share
-        Leave out participants who saw late frames in a larger share of the main trials.
-    """
-
-    incomplete: bool = True
-    shortest_median_s: float | None = Field(default=None, gt=0)
-    catch_level: float | None = None
-    least_catch_share: float | None = Field(default=None, gt=0, le=1)
-    largest_late_share: float | None = Field(default=None, ge=0, lt=1)
-
-
-class Analysis(_Part):
-    """What is tested; declared before the first answer.
-
-    Attributes
-    ----------
-    equivalence_margin
-        Of `two-alternative`: how far from one half the share of answers for an item of a pair may
-        lie and the two still count as equally good, such as 0.1; None: equivalence is not tested.
-    """
-
-    equivalence_margin: float | None = Field(default=None, gt=0, lt=0.5)
-
-
-class Study(_Part):
+class Study(Part):
     """A study: what is asked about which stimuli, of whom, in what order and under what rules."""
 
     name: Name
@@ -194,6 +71,7 @@ class Study(_Part):
     design: Design
     practice: Practice = Practice(trials=0)
     timing: Timing = Timing()
+    answers: Answers = Answers()
     consent: Consent
     demographics: tuple[DemographicsField, ...] = ()
     screen: Screen = Screen()
@@ -208,13 +86,19 @@ class Study(_Part):
         Keys that came later are left out while they say nothing: an older study stays the same.
         """
         said_nothing: dict[str, bool | set[str]] = {
-            part: {key for key in keys if getattr(getattr(self, part), key) in (None, ())}
+            part: {key for key in keys if self._is_default(part, key)}
             for part, keys in _LATER_KEYS.items()
         }
-        if self.analysis == Analysis():
-            said_nothing["analysis"] = True
+        said_nothing |= {part: True for part in _LATER_PARTS if self._is_default(part)}
         content = self.model_dump_json(exclude=said_nothing)
         return hashlib.sha256(content.encode()).hexdigest()
+
+    def _is_default(self, part: str, key: str | None = None) -> bool:
+        """Return whether a part, or a key of it, says what it says when it is left out."""
+        if key is None:
+            return bool(getattr(self, part) == type(self).model_fields[part].default)
+        of_part: Part = getattr(self, part)
+        return bool(getattr(of_part, key) == type(of_part).model_fields[key].default)
 
     @property
     def guess_rate(self) -> float:
@@ -257,10 +141,9 @@ class Study(_Part):
         rule = self.exclusion
         if (rule.catch_level is None) != (rule.least_catch_share is None):
             raise ValueError("exclusion.catch_level, least_catch_share: one without the other")
-        if rule.catch_level is not None and self.task != "odd-one-out":
-            raise ValueError(f"exclusion.catch_level: the task {self.task} has no use for it")
-        if self.analysis.equivalence_margin is not None and self.task != "two-alternative":
-            raise ValueError(f"analysis.equivalence_margin: the task {self.task} has no use for it")
+        for name, tasks in _TASKS_OF_KEY:
+            if self.task not in tasks and not self._is_default(*name.split(".")):
+                raise ValueError(f"{name}: the task {self.task} has no use for it")
         return self
 
 
@@ -326,21 +209,6 @@ def check_stimuli(study: Study, stimuli: StimulusSet) -> None:
     )
     if study.task == "odd-one-out":
         _check_regions(study, stimuli)
-
-
-def check_presented(study: Study, runner: str) -> None:
-    """Check that a runner can show a study's task.
-
-    Raises
-    ------
-    UnavailableError
-        If it cannot yet.
-    """
-    if study.task not in _PRESENTED:
-        raise UnavailableError(
-            f"task: the {runner} runner does not show {study.task} yet; simulated observers take"
-            " it, and answers that were collected elsewhere can be analysed"
-        )
 
 
 def _check_regions(study: Study, stimuli: StimulusSet) -> None:

@@ -6,7 +6,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from algorithms.errors import InputError
 from algorithms.files import write_atomically
-from experiments.study import Name
+from experiments.study_parts import Name
 
 _TEMPLATE = Path(__file__).parent / "template.toml"
 

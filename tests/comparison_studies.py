@@ -3,6 +3,7 @@
 The items are the three placements; within a level and a material they are compared with each other.
 """
 
+import json
 from typing import Any
 
 from experiments.study import Study, Task
@@ -24,3 +25,16 @@ def comparison_study(study: Study, task: Task, **design: Any) -> Study:  # noqa:
         "practice": {"trials": 0},
     }
     return Study.model_validate(content)
+
+
+def as_toml(study: Study) -> str:
+    """Write a study as TOML: its keys at the top first, then its tables."""
+    content = {k: v for k, v in study.model_dump(mode="json").items() if v is not None}
+    flat = [f"{k} = {json.dumps(v)}" for k, v in content.items() if not isinstance(v, dict)]
+    tables = [
+        f"[{name}]\n"
+        + "\n".join(f"{k} = {json.dumps(v)}" for k, v in table.items() if v is not None)
+        for name, table in content.items()
+        if isinstance(table, dict)
+    ]
+    return "\n".join([*flat, *tables]) + "\n"

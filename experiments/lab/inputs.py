@@ -10,7 +10,7 @@ _LEFT_BUTTON = 1  # pyglet's
 
 @dataclass(frozen=True)
 class KeyPress:
-    """A key: `1` to `9` (numeric pad included), `enter` or `escape`; on the window's clock."""
+    """A key by its name in `KEYS`, `1` to `9` from row or numeric pad; on the window's clock."""
 
     key: str
     time_s: float
@@ -25,7 +25,18 @@ class Click:
     time_s: float
 
 
-Press = KeyPress | Click
+@dataclass(frozen=True)
+class Release:
+    """The end of a click."""
+
+    x_px: int
+    y_px: int
+    time_s: float
+
+
+Press = KeyPress | Click | Release
+
+KEYS = ("escape", "enter", "space", "equal", "left", "right", "up", "down")
 
 
 class Presses:
@@ -51,8 +62,14 @@ class Presses:
         self._time_s = time_s
         self._keys = _key_names()
         self._waiting: list[Press] = []
+        self.pointer_px = (0, 0)
+        """Where the pointer is, counted from the window's upper left corner."""
         pyglet_window.push_handlers(
-            on_key_press=self._on_key, on_mouse_press=self._on_click, on_close=self._on_close
+            on_key_press=self._on_key,
+            on_mouse_press=self._on_click,
+            on_mouse_release=self._on_release,
+            on_mouse_drag=self._on_drag,
+            on_close=self._on_close,
         )
 
     def take(self) -> list[Press]:
@@ -66,11 +83,26 @@ class Presses:
             self._waiting.append(KeyPress(key, self._time_s()))
 
     def _on_click(self, x_px: int, y_px: int, button: int, _modifiers: int) -> None:
+        if button == _LEFT_BUTTON:
+            self.pointer_px = x_px, self._from_above(y_px)
+            self._waiting.append(Click(*self.pointer_px, self._time_s()))
+
+    def _on_release(self, x_px: int, y_px: int, button: int, _modifiers: int) -> None:
+        if button == _LEFT_BUTTON:
+            self.pointer_px = x_px, self._from_above(y_px)
+            self._waiting.append(Release(*self.pointer_px, self._time_s()))
+
+    def _on_drag(
+        self, x_px: int, y_px: int, _dx: int, _dy: int, _buttons: int, _modifiers: int
+    ) -> None:
+        self.pointer_px = x_px, self._height_px - 1 - y_px
+
+    def _from_above(self, y_px: int) -> int:
+        """Return the row of a button's event, counted from the upper edge."""
         # pyglet counts rows from the lower edge, on X11 from 1 instead of 0 when a button is
         # pressed (its motion events count from 0).
         from_below = y_px - 1 if sys.platform.startswith("linux") else y_px
-        if button == _LEFT_BUTTON:
-            self._waiting.append(Click(x_px, self._height_px - 1 - from_below, self._time_s()))
+        return self._height_px - 1 - from_below
 
     def _on_close(self) -> bool:
         self._waiting.append(KeyPress("escape", self._time_s()))
@@ -82,7 +114,8 @@ def _key_names() -> dict[int, str]:
 
     # The numeric pad, from 1 to 9, when Num Lock is off.
     pad = ("END", "DOWN", "PAGE_DOWN", "LEFT", "BEGIN", "RIGHT", "HOME", "UP", "PAGE_UP")
-    names = {key.ESCAPE: "escape", key.RETURN: "enter", key.NUM_ENTER: "enter"}
+    names = {getattr(key, name.upper()): name for name in KEYS}
+    names |= {key.RETURN: "enter", key.NUM_ENTER: "enter", key.NUM_EQUAL: "equal"}
     for digit, unlocked in enumerate(pad, start=1):
         names[getattr(key, f"_{digit}")] = str(digit)
         names[getattr(key, f"NUM_{digit}")] = str(digit)

@@ -51,10 +51,11 @@ def consent_page(study: Study) -> Page:
     return Page("consent", (study.title, study.consent.text), prompt)
 
 
-def instructions_page(study: Study, *, with_example: bool) -> Page:
-    """Return the page that explains the task, perhaps with an example below."""
+def instructions_page(study: Study, how_to: str, *, with_example: bool) -> Page:
+    """Return the page that explains the task and how to answer, perhaps with an example below."""
     example = ("In this example the outlined object is the one to choose.",) if with_example else ()
-    paragraphs = (study.question, *study.instructions, *example)
+    said = (*study.instructions, how_to) if how_to else study.instructions
+    paragraphs = (study.question, *said, *example)
     return Page("instructions", paragraphs, "Enter: begin")
 
 
@@ -106,20 +107,24 @@ def show_page(
     return _wait(window, page.name, _lay_out(window, page, picture), keys)
 
 
-def show_feedback(window: LabWindow, trial: Trial, picture: Picture, right: bool) -> None:
-    """Say whether an answer was right, over the picture in its place, until Enter is pressed.
+def show_feedback(
+    window: LabWindow, trial: Trial, marked: Sequence[Drawable], right: bool, name: str
+) -> None:
+    """Say whether an answer was right, over the stimuli in their place, until Enter is pressed.
 
     Parameters
     ----------
     window, trial
         Where, and after which trial.
-    picture
-        The trial's picture with the odd object outlined.
+    marked
+        The trial's stimuli with the right answer marked.
     right
-        Whether that object was chosen.
+        Whether that was the answer.
+    name
+        Which answer is the right one, in words.
     """
-    text = "Right: it is the outlined object." if right else "Not quite: it is the outlined object."
-    parts = (picture, heading(window, text), footing(window, "Enter: go on"))
+    text = f"{'Right' if right else 'Not quite'}: {name}."
+    parts = (*marked, heading(window, text), footing(window, "Enter: go on"))
     _wait(window, f"feedback {trial.index}", parts, ("enter",))
 
 

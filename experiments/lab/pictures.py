@@ -9,7 +9,7 @@ from PIL import Image
 from algorithms.errors import InputError
 from algorithms.images import read_labels
 from experiments.lab.geometry import Area, Placement, fit
-from experiments.lab.inputs import KeyPress, Press
+from experiments.lab.inputs import KeyPress, Press, Release
 from experiments.lab.window import Drawable, LabWindow
 from experiments.regions import Point, Regions, numeral_places, outline
 from stimuli.manifest import Stimulus, StimulusSet
@@ -55,6 +55,8 @@ class Picture:
         if isinstance(press, KeyPress):
             label = int(press.key) if press.key.isdigit() else None
             return label if label in self.numerals else None
+        if isinstance(press, Release):
+            return None
         for label, (x_px, y_px) in self.numerals.items():
             away_px = max(abs(press.x_px + 0.5 - x_px), abs(press.y_px + 0.5 - y_px))
             if away_px < _NUMERAL_SIZE_PX / 2:

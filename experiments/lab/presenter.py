@@ -1,19 +1,47 @@
-"""One trial: a blank screen, the stimulus, and the first answer to it."""
+"""One trial: a blank screen, what is shown in it, and the first answer to it."""
 
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from experiments.answers import Measurement
 from experiments.lab.geometry import Area
-from experiments.lab.inputs import Click, KeyPress, Press
+from experiments.lab.inputs import KeyPress, Press
 from experiments.lab.pages import FOOTING_BAND, HEADING_BAND, heading
-from experiments.lab.pictures import Picture
 from experiments.lab.window import Drawable, Frames, LabWindow
 from experiments.responses import Input
-from experiments.study import Timing
+from experiments.study_parts import Timing
 from experiments.trials import Answer
 
 _TRACK_RGB = (112, 112, 112)
 _DONE_RGB = (176, 176, 176)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What is shown for a while; without a duration until the answer."""
+
+    parts: Sequence[Drawable]
+    duration_s: float = math.inf
+
+
+@dataclass(frozen=True)
+class Presentation:
+    """What a trial shows and how it is answered.
+
+    Attributes
+    ----------
+    asked
+        The scenes in which the trial can be answered; the first of them is the onset.
+    answer_of
+        Returns the answer that a key or a click means, or None for none; it is told of every press.
+    before
+        What comes before, each with a duration.
+    """
+
+    asked: Sequence[Scene]
+    answer_of: Callable[[Press], Answer]
+    before: Sequence[Scene] = ()
 
 
 @dataclass(frozen=True)
@@ -56,17 +84,22 @@ def stimulus_area(window: LabWindow) -> Area:
 
 
 def present(
-    window: LabWindow, picture: Picture, surround: Surround, timing: Timing, name: str, done: float
+    window: LabWindow,
+    shown: Presentation,
+    surround: Surround,
+    timing: Timing,
+    name: str,
+    done: float,
 ) -> Outcome | None:
     """Show one trial until it is answered, its time is over or Escape is pressed.
 
     Parameters
     ----------
-    window, picture, surround
+    window, shown, surround
         What is shown, and where.
     timing
-        The blank before the stimulus and the time limit; the stimulus appears in the frame
-        nearest to the end of the blank.
+        The blank before the stimulus and the time limit; every scene appears in the frame nearest
+        to the end of the one before.
     name
         What the trial is called to the experimenter.
     done
@@ -76,26 +109,54 @@ def present(
     -------
     The outcome, or None after Escape. Its times are exact to one frame.
     """
-    parts = (picture, *surround.parts(done))
+    around = surround.parts(done)
     window.start_frames()
+    parts: Sequence[Drawable] = ()
     requested_s = window.flip() + timing.blank_s
-    while window.time_s() < requested_s - window.frame_s / 2:
-        window.flip()
-    onset_s = window.show(parts)
+    for scene in shown.before:
+        _hold(window, parts, requested_s)
+        parts = (*scene.parts, *around)
+        requested_s = window.show(parts) + scene.duration_s
+    _hold(window, parts, requested_s)
+    onset_s = window.show((*shown.asked[0].parts, *around))
     if any(_is_escape(press) for press in window.take_presses()):
         return None  # all other presses before the onset are no answers
     window.announce(name)
+    given = _ask(window, shown, around, onset_s, timing.time_limit_s)
+    if given is None:
+        return None
+    return _outcome(*given, (requested_s, onset_s), window.end_frames())
+
+
+def _hold(window: LabWindow, parts: Sequence[Drawable], until_s: float) -> None:
+    """Show something up to the frame nearest to a time."""
+    while window.time_s() < until_s - window.frame_s / 2:
+        window.show(parts)
+
+
+def _ask(
+    window: LabWindow,
+    shown: Presentation,
+    around: Sequence[Drawable],
+    onset_s: float,
+    time_limit_s: float | None,
+) -> tuple[Answer, Press | None] | None:
+    """Show the scenes until there is an answer; return it, or None after Escape."""
+    scenes = list(shown.asked)
+    ends_s = onset_s + scenes[0].duration_s
     while True:
-        shown_s = window.show(parts)
+        shown_s = window.show((*scenes[0].parts, *around))
         for press in window.take_presses():
             if _is_escape(press):
                 return None
-            label = picture.label_of(press)
-            if label is not None:
-                onset = (requested_s, onset_s)
-                return _outcome(label, press, onset, window.end_frames())
-        if timing.time_limit_s is not None and shown_s - onset_s >= timing.time_limit_s:
-            return _outcome(None, None, (requested_s, onset_s), window.end_frames())
+            answer = shown.answer_of(press)
+            if answer is not None:
+                return answer, press
+        if time_limit_s is not None and shown_s - onset_s >= time_limit_s:
+            return None, None
+        if len(scenes) > 1 and shown_s + 1.5 * window.frame_s >= ends_s:
+            scenes.pop(0)
+            ends_s += scenes[0].duration_s
 
 
 def _outcome(
@@ -116,13 +177,9 @@ def _outcome(
 
 
 def _input(press: Press | None) -> Input:
-    match press:
-        case KeyPress():
-            return "keyboard"
-        case Click():
-            return "mouse"
-        case None:
-            return "none"
+    if press is None:
+        return "none"
+    return "keyboard" if isinstance(press, KeyPress) else "mouse"
 
 
 def _is_escape(press: Press) -> bool:

@@ -12,13 +12,15 @@ from experiments.demographics import check_demographics
 from experiments.lab import pages
 from experiments.lab.opening import open_window
 from experiments.lab.pages import Page, show_page
-from experiments.lab.pictures import Picture, load_picture
-from experiments.lab.presenter import Outcome, Surround, prepare_surround, present, stimulus_area
+from experiments.lab.pictures import Picture
+from experiments.lab.presenter import Outcome, Surround, prepare_surround, present
 from experiments.lab.psychopy_files import PsychoPyFiles
+from experiments.lab.task_view import TaskView
+from experiments.lab.tasks import view_of
 from experiments.lab.window import LabWindow, WindowSettings
 from experiments.responses import Session
 from experiments.store import NewSession, Store, check_participant
-from experiments.study import Study, check_presented, check_stimuli
+from experiments.study import Study, check_stimuli
 from experiments.trials import Answer, Assignment, Trial, next_trial, planned_trials
 from stimuli.manifest import StimulusSet
 
@@ -73,7 +75,6 @@ def run_lab(
     UnavailableError
         If PsychoPy or a display is missing.
     """
-    check_presented(study, "lab")
     check_stimuli(study, stimuli)
     earlier = unfinished_session(study, stimuli, store, participant)
     asked: Mapping[str, Any] = {}
@@ -100,7 +101,8 @@ def run_lab(
         else:
             return None
         files = PsychoPyFiles(folder, study, session, window.refresh_hz)
-        _Run(study, stimuli, store, session, window, files).to_the_end()
+        view = view_of(window, study, stimuli)
+        _Run(study, stimuli, store, session, window, view, files).to_the_end()
     return store.session(session.id)
 
 
@@ -172,38 +174,40 @@ class _Run:
     store: Store
     session: Session
     window: LabWindow
+    view: TaskView[Any]
     files: PsychoPyFiles
 
     def to_the_end(self) -> None:
         """Show all that is left of the session, or leave early at the participant's wish."""
         answers = self.store.answers(self.session.id)
-        pictures = self._load_pictures(answers)
+        self._load(answers)
         try:
-            if pictures:
+            if len(answers) < len(self._planned()):
                 self._explain()
-            self._show_trials(answers, pictures)
+            self._show_trials(answers)
         except _Left:
             return
         code = self.store.complete(self.session.id)
         show_page(self.window, pages.thanks_page(code))
 
     def _explain(self) -> None:
-        example = pages.example_picture(self.window, self.stimuli)
-        page = pages.instructions_page(self.study, with_example=example is not None)
+        chooses = self.study.task == "odd-one-out"
+        example = pages.example_picture(self.window, self.stimuli) if chooses else None
+        how_to = self.view.how_to
+        page = pages.instructions_page(self.study, how_to, with_example=example is not None)
         self._show_or_pause(page, example)
 
-    def _show_trials(self, answers: dict[int, Answer], pictures: Mapping[str, Picture]) -> None:
+    def _show_trials(self, answers: dict[int, Answer]) -> None:
         surround = prepare_surround(self.window, self.study.question)
         before: Trial | None = None
         while (trial := self._next_trial(answers)) is not None:
             if before is not None and (before.phase, trial.phase) == ("practice", "main"):
                 self._show_or_pause(pages.main_page(len(self._planned()) - trial.index))
-            picture = pictures[trial.stimuli[0]]
-            outcome = self._present(trial, picture, surround)
+            outcome = self._present(trial, surround)
             self._record(trial, outcome)
             answers[trial.index] = outcome.answer
             if trial.feedback:
-                self._give_feedback(trial, outcome.answer, picture)
+                self._give_feedback(trial, outcome.answer)
             before = trial
 
     def _planned(self) -> tuple[Trial, ...]:
@@ -215,30 +219,27 @@ class _Run:
     def _next_trial(self, answers: Mapping[int, Answer]) -> Trial | None:
         return next_trial(self.study, self.stimuli, self._assignment(), answers)
 
-    def _load_pictures(self, answers: Mapping[int, Answer]) -> dict[str, Picture]:
+    def _load(self, answers: Mapping[int, Answer]) -> None:
         """Load every stimulus that is still to be shown onto the graphics card."""
-        area = stimulus_area(self.window)
-        left = {trial.stimuli[0] for trial in self._planned() if trial.index not in answers}
-        pictures = {}
-        for number, identifier in enumerate(sorted(left)):
-            stimulus = self.stimuli[identifier]
-            pictures[identifier] = load_picture(self.window, self.stimuli, stimulus, area)
-            pictures[identifier].draw()
+        trials = [trial for trial in self._planned() if trial.index not in answers]
+        left = {identifier for trial in trials for identifier in trial.stimuli}
+        for number, identifier in enumerate(sorted(left), start=1):
+            self.view.load(identifier).draw()
             self.window.discard()
-            self._show_loading(number + 1, len(left))
-        return pictures
+            self._show_loading(number, len(left))
 
     def _show_loading(self, loaded: int, total: int) -> None:
         middle = (self.window.width_px / 2, self.window.height_px / 2)
         text = f"Loading images: {loaded} of {total}"
         self.window.show([self.window.text(text, *middle, 0.03 * self.window.height_px)])
 
-    def _present(self, trial: Trial, picture: Picture, surround: Surround) -> Outcome:
+    def _present(self, trial: Trial, surround: Surround) -> Outcome:
         """Present a trial, again after each pause."""
         done = trial.index / len(self._planned())
         timing, name = self.study.timing, f"trial {trial.index}"
         while True:
-            outcome = present(self.window, picture, surround, timing, name, done)
+            shown = self.view.present(trial)
+            outcome = present(self.window, shown, surround, timing, name, done)
             if outcome is not None:
                 return outcome
             self._pause(name)
@@ -262,7 +263,8 @@ class _Run:
         self.store.record(response)
         self.files.add(response)
 
-    def _give_feedback(self, trial: Trial, answer: Answer, picture: Picture) -> None:
+    def _give_feedback(self, trial: Trial, answer: Answer) -> None:
         right = self.stimuli[trial.stimuli[0]].answer
         if isinstance(right, int):
-            pages.show_feedback(self.window, trial, picture.outlined(right), answer == right)
+            marked, name = self.view.mark(trial, right)
+            pages.show_feedback(self.window, trial, marked, answer == right, name)

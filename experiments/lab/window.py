@@ -79,6 +79,13 @@ class Drawable(Protocol):
         """Draw it."""
 
 
+class Movable(Drawable, Protocol):
+    """An image that can be drawn elsewhere in the next frame."""
+
+    pos: tuple[float, float]
+    size: tuple[float, float]
+
+
 class Text(Drawable, Protocol):
     """A text that is ready to be drawn."""
 
@@ -202,16 +209,18 @@ class LabWindow:
         )
         return text_stimulus
 
-    def image(self, image: Image.Image, area: Area) -> Drawable:
+    def image(self, image: Image.Image, area: Area) -> Movable:
         """Prepare an image; its texture is on the graphics card when this returns."""
-        image_stimulus: Drawable = self._visual.ImageStim(
-            self._window,
-            image=image,
-            size=(area.width_px, area.height_px),
-            pos=self._centred(area.left_px + area.width_px / 2, area.top_px + area.height_px / 2),
-            interpolate=True,
+        image_stimulus: Movable = self._visual.ImageStim(
+            self._window, image=image, interpolate=True
         )
+        self.move(image_stimulus, area)
         return image_stimulus
+
+    def move(self, image: Movable, area: Area) -> None:
+        """Let an image fill an area from the next frame on."""
+        image.size = (area.width_px, area.height_px)
+        image.pos = self._middle(area)
 
     def bar(self, area: Area, rgb: tuple[int, int, int]) -> Drawable:
         """Prepare a filled rectangle."""
@@ -219,9 +228,24 @@ class LabWindow:
             self._window,
             width=area.width_px,
             height=area.height_px,
-            pos=self._centred(area.left_px + area.width_px / 2, area.top_px + area.height_px / 2),
+            pos=self._middle(area),
             fillColor=rgb,
             lineColor=None,
+            colorSpace="rgb255",
+        )
+        return rectangle
+
+    def frame(self, area: Area, rgb: tuple[int, int, int], width_px: int) -> Drawable:
+        """Prepare a line around an area."""
+        around = area.grown(width_px)
+        rectangle: Drawable = self._visual.Rect(
+            self._window,
+            width=around.width_px,
+            height=around.height_px,
+            pos=self._middle(around),
+            fillColor=None,
+            lineColor=rgb,
+            lineWidth=width_px,
             colorSpace="rgb255",
         )
         return rectangle
@@ -254,6 +278,11 @@ class LabWindow:
         """Return what was pressed since the last call, oldest first; known once a frame."""
         return self._presses.take()
 
+    @property
+    def pointer_px(self) -> tuple[int, int]:
+        """Where the pointer was last pressed, dragged or released, from the upper left corner."""
+        return self._presses.pointer_px
+
     def start_frames(self) -> None:
         """Begin to record the intervals between frames."""
         self._window.frameIntervals.clear()
@@ -268,6 +297,9 @@ class LabWindow:
             float(statistics.median(intervals_s)) if intervals_s else None,
             int(self._window.nDroppedFrames),
         )
+
+    def _middle(self, area: Area) -> tuple[float, float]:
+        return self._centred(area.left_px + area.width_px / 2, area.top_px + area.height_px / 2)
 
     def _centred(self, x_px: float, y_px: float) -> tuple[float, float]:
         return x_px - self.width_px / 2, self.height_px / 2 - y_px

@@ -6,7 +6,7 @@ from fastapi import FastAPI
 from fastapi.staticfiles import StaticFiles
 
 from experiments.store import Store
-from experiments.study import Study, check_presented, check_stimuli
+from experiments.study import Study, check_stimuli
 from experiments.web import participant, researcher
 from experiments.web.errors import add_error_handlers
 from experiments.web.exhibits import Exhibits
@@ -43,7 +43,6 @@ def create_app(
         If the stimuli do not fit the study, are no PNG images, or the store holds another study
         of this name and version.
     """
-    check_presented(study, "web")
     check_stimuli(study, stimuli)
     store.register(study, stimuli)
     exhibits = Exhibits(stimuli, server_secret(store))

@@ -6,6 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from experiments.answers import Measurement
 from experiments.responses import Input
+from experiments.trials import Answer
 
 # Bounds only keep nonsense out of the store: no honest client comes near them.
 Seconds = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False)]
@@ -41,13 +42,17 @@ class AnswerMessage(_Message):
 
     id: ShortText
     trial_index: Count
-    answer: Count | None
+    answer: Count | Annotated[list[Count], Field(max_length=100)] | None
     reaction_time_s: Seconds | None
     onset_requested_s: Seconds | None
     onset_measured_s: Seconds | None
     frame_interval_s: Seconds | None
     dropped_frames: Count | None
     input: Input
+
+    def given(self) -> Answer:
+        """Return the answer as the rows have it."""
+        return tuple(self.answer) if isinstance(self.answer, list) else self.answer
 
     def measurement(self) -> Measurement:
         """Return what the browser measured."""

@@ -1,11 +1,12 @@
 """The participant's part of the API."""
 
+import asyncio
 from typing import Any
 
 from fastapi import APIRouter, Response
 from fastapi.responses import JSONResponse
 
-from experiments.answers import make_response
+from experiments.answers import response_in
 from experiments.demographics import check_demographics
 from experiments.responses import Session, response_id
 from experiments.store import NewSession
@@ -13,7 +14,8 @@ from experiments.trials import Answer, Trial
 from experiments.web.errors import ApiError
 from experiments.web.exhibits import region_runs
 from experiments.web.messages import AnswerMessage, EventMessage, NewSessionMessage
-from experiments.web.service import Here, KnownStudy, OwnSession, Service
+from experiments.web.service import Here, KnownSession, KnownStudy, OwnSession, Service
+from stimuli.manifest import Stimulus
 
 router = APIRouter(prefix="/api")
 
@@ -36,6 +38,7 @@ def describe_study(here: Here) -> dict[str, Any]:
         "demographics": study.demographics,
         "screen": study.screen.model_dump(),
         "timing": study.timing.model_dump(),
+        "answers": study.answers.model_dump(),
         "example": _example(here),
         "accepting": here.accepts_people(),
     }
@@ -97,7 +100,7 @@ def resume_session(here: Here, own: OwnSession) -> dict[str, Any]:
 
 
 @router.get("/sessions/{session}/images/{opaque}")
-def show_image(here: Here, own: OwnSession, opaque: str) -> Response:
+def show_image(here: Here, own: KnownSession, opaque: str) -> Response:
     """Send an image of one of the session's trials."""
     content = here.exhibits.find_image(own.id, opaque)
     if content is None:
@@ -106,7 +109,7 @@ def show_image(here: Here, own: OwnSession, opaque: str) -> Response:
 
 
 @router.get("/sessions/{session}/regions/{opaque}")
-def show_regions(here: Here, own: OwnSession, opaque: str) -> JSONResponse:
+def show_regions(here: Here, own: KnownSession, opaque: str) -> JSONResponse:
     """Send the regions of one of the session's trials."""
     path = here.exhibits.find_regions(own.id, opaque)
     if path is None:
@@ -115,20 +118,21 @@ def show_regions(here: Here, own: OwnSession, opaque: str) -> JSONResponse:
 
 
 @router.post("/sessions/{session}/answers")
-def record_answer(here: Here, own: OwnSession, message: AnswerMessage) -> dict[str, Any]:
+async def record_answer(here: Here, own: KnownSession, message: AnswerMessage) -> dict[str, Any]:
     """Store an answer; once this replies, the answer outlives the server."""
     if message.id != response_id(own.id, message.trial_index):
         raise ApiError(403, "id: not the id of this session's trial")
-    response = make_response(
-        here.study, here.stimuli, own, message.trial_index, message.answer, message.measurement()
+    answer, trials = message.given(), here.trials(own)
+    response = response_in(
+        trials, here.study, own, message.trial_index, answer, message.measurement()
     )
-    here.store.record(response)
-    trial = here.trials(own)[message.trial_index]
-    return {"stored": True, "feedback": _feedback(here, trial, message.answer)}
+    await asyncio.wrap_future(here.store.submit(response))
+    trial = trials[message.trial_index]
+    return {"stored": True, "feedback": _feedback(here, trial, answer)}
 
 
 @router.post("/sessions/{session}/events", status_code=204)
-def record_event(here: Here, own: OwnSession, message: EventMessage) -> None:
+def record_event(here: Here, own: KnownSession, message: EventMessage) -> None:
     """Store something that happened besides answers."""
     here.store.add_event(own.id, message.kind, message.detail)
 
@@ -160,17 +164,25 @@ def _identity(session: Session) -> dict[str, Any]:
 
 
 def _trial(here: Service, session: Session, trial: Trial) -> dict[str, Any]:
-    stimulus = here.stimuli[trial.stimuli[0]]
-    width_px, height_px = here.exhibits.size_px(stimulus)
-    base = f"/api/sessions/{session.id}"
+    shown = [here.stimuli[identifier] for identifier in trial.stimuli]
     return {
         "index": trial.index,
         "phase": trial.phase,
+        "pictures": [_picture(here, session, stimulus) for stimulus in shown],
+        "feedback": trial.feedback,
+    }
+
+
+def _picture(here: Service, session: Session, stimulus: Stimulus) -> dict[str, Any]:
+    width_px, height_px = here.exhibits.size_px(stimulus)
+    base, regions = f"/api/sessions/{session.id}", None
+    if here.study.task == "odd-one-out":
+        regions = f"{base}/regions/{here.exhibits.regions_id(session.id, stimulus)}"
+    return {
         "image": f"{base}/images/{here.exhibits.image_id(session.id, stimulus)}",
         "width_px": width_px,
         "height_px": height_px,
-        "regions": f"{base}/regions/{here.exhibits.regions_id(session.id, stimulus)}",
-        "feedback": trial.feedback,
+        "regions": regions,
     }
 
 

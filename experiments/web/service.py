@@ -1,8 +1,11 @@
 """What the handlers share: the study that is served, and who is asking."""
 
 import hmac
+import math
 import secrets
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 from typing import Annotated
 
 from fastapi import Depends, Header, Request
@@ -13,6 +16,7 @@ from experiments.study import Study
 from experiments.trials import Assignment, Trial, planned_trials
 from experiments.web.errors import ApiError
 from experiments.web.exhibits import Exhibits
+from experiments.web.known_sessions import KnownSessions, WrongTokens
 from stimuli.manifest import Stimulus, StimulusSet
 
 
@@ -25,26 +29,44 @@ class Service:
     store: Store
     exhibits: Exhibits
     pilot: bool
+    wrong_tokens: WrongTokens = field(default_factory=WrongTokens)
+
+    @cached_property
+    def known_sessions(self) -> KnownSessions:
+        """The sessions that were seen before."""
+        return KnownSessions(self.store)
 
     @property
     def example(self) -> Stimulus | None:
-        """The stimulus that the instructions show with its answer."""
+        """The stimulus that the instructions show with its answer, of `odd-one-out`."""
+        if self.study.task != "odd-one-out":
+            return None
         return next(iter(self.stimuli.with_role("example")), None)
 
     def trials(self, session: Session) -> tuple[Trial, ...]:
         """Return a session's trials."""
-        return planned_trials(self.study, self.stimuli, Assignment(session.participant_number))
+        return self._planned(session.participant_number)
+
+    @cached_property
+    def _planned(self) -> Callable[[int], tuple[Trial, ...]]:
+        """What a participant's number plans, kept: every answer asks for it."""
+
+        @lru_cache(maxsize=2000)
+        def planned(number: int) -> tuple[Trial, ...]:
+            return planned_trials(self.study, self.stimuli, Assignment(number))
+
+        return planned
+
+    @cached_property
+    def digests(self) -> tuple[str, str]:
+        """What is served, exactly: the digests of study and set."""
+        return self.study.digest, self.stimuli.digest
 
     def accepts_people(self) -> bool:
         """Whether the study's stopping rule lets another participant begin."""
         if self.pilot:
             return True
-        done = [
-            session
-            for session in self.store.sessions(study=self.study.name)
-            if session.completed_at and not session.simulated and not session.pilot
-        ]
-        return len(done) < self.study.stopping.participants
+        return self.store.completed_count(self.study.name) < self.study.stopping.participants
 
 
 def researcher_token(store: Store) -> str:
@@ -69,7 +91,10 @@ def server_secret(store: Store) -> str:
     return store.setting("server_secret", lambda: secrets.token_hex(32))
 
 
-def _service(request: Request) -> Service:
+# Dependencies are asynchronous: others would each wait for a thread of their own.
+
+
+async def _service(request: Request) -> Service:
     service = request.app.state.service
     assert isinstance(service, Service)
     return service
@@ -78,7 +103,7 @@ def _service(request: Request) -> Service:
 Here = Annotated[Service, Depends(_service)]
 
 
-def _bearer(authorization: Annotated[str, Header()] = "") -> str:
+async def _bearer(authorization: Annotated[str, Header()] = "") -> str:
     scheme, _, token = authorization.partition(" ")
     if scheme.lower() != "bearer" or not token:
         raise ApiError(401, "Authorization: a header 'Bearer TOKEN' is needed")
@@ -88,27 +113,58 @@ def _bearer(authorization: Annotated[str, Header()] = "") -> str:
 Token = Annotated[str, Depends(_bearer)]
 
 
-def _own_session(session: str, here: Here, token: Token) -> Session:
-    found = here.store.authenticate(session, token)
+async def _known_session(request: Request, session: str, here: Here, token: Token) -> Session:
+    found = here.known_sessions.get(session, token)
     if found is None:
+        _refuse_too_many(here, request)
+        found = await here.known_sessions.authenticate(session, token)
+    if found is None:
+        here.wrong_tokens.add(_address(request))
         raise ApiError(401, "Authorization: the token is not this session's")
-    if (found.study_digest, found.stimuli_digest) != (here.study.digest, here.stimuli.digest):
+    if found.withdrawn_at is not None:
+        raise ApiError(410, "session: withdrawn; nothing more is stored of it", "withdrawn")
+    if (found.study_digest, found.stimuli_digest) != here.digests:
         raise ApiError(409, "session: begun with another version of the study", "study-changed")
     return found
 
 
+KnownSession = Annotated[Session, Depends(_known_session)]
+"""The session of who asks, as it was when it was first seen: for what never changes of it."""
+
+
+def _own_session(here: Here, known: KnownSession) -> Session:
+    found = here.store.session(known.id)
+    if found is None or found.withdrawn_at is not None:
+        raise ApiError(410, "session: withdrawn; nothing more is stored of it", "withdrawn")
+    return found
+
+
 OwnSession = Annotated[Session, Depends(_own_session)]
+"""The session of who asks, as it is now."""
 
 
-def _check_study(study: str, here: Here) -> None:
+async def _check_study(study: str, here: Here) -> None:
     if study != here.study.name:
         raise ApiError(404, "study: there is no such study here")
 
 
-def _check_researcher(here: Here, token: Token) -> None:
+def _check_researcher(request: Request, here: Here, token: Token) -> None:
+    _refuse_too_many(here, request)
     if not hmac.compare_digest(token.encode(), researcher_token(here.store).encode()):
+        here.wrong_tokens.add(_address(request))
         raise ApiError(401, "Authorization: not the researcher's token")
 
 
 KnownStudy = Depends(_check_study)
 Researcher = Depends(_check_researcher)
+
+
+def _refuse_too_many(here: Service, request: Request) -> None:
+    wait_s = math.ceil(here.wrong_tokens.wait_s(_address(request)))
+    if wait_s > 0:
+        message = f"Authorization: too many wrong tokens from here; try again in {wait_s} s"
+        raise ApiError(429, message, headers={"Retry-After": str(wait_s)})
+
+
+def _address(request: Request) -> str:
+    return request.client.host if request.client else ""

@@ -137,7 +137,8 @@ class _Visit:
             )
         for trial, seen in list(zip(trials, told, strict=True))[: self.images]:
             path = self.stimuli.path(self.stimuli[trial.stimuli[0]].file)
-            if self._call("GET", seen["image"], token).content != shown_png(path.read_bytes()):
+            shown = self._call("GET", seen["pictures"][0]["image"], token).content
+            if shown != shown_png(path.read_bytes()):
                 raise InputError("url: the server shows other images than the set given here")
 
     def _answer(self, session: str, trial: Trial, generator: np.random.Generator) -> dict[str, Any]:

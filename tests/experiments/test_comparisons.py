@@ -14,18 +14,17 @@ from pydantic import ValidationError
 from scipy.special import ndtr
 from typer.testing import CliRunner
 
-from algorithms.errors import InputError, UnavailableError
-from experiments import web
+from algorithms.errors import InputError
 from experiments.answers import Measurement, make_response
 from experiments.cli import app
 from experiments.item_observers import NOISE_OF_A_DIFFERENCE, ItemObserver, simulate_comparisons
-from experiments.lab.runner import run_lab
+from experiments.ordering import Order, is_ranking
 from experiments.responses import Session, load_responses
 from experiments.store import NewSession, Store
 from experiments.study import Study, Task, load_study
 from experiments.trials import Assignment, Trial, ordered, planned_trials
 from stimuli.manifest import StimulusSet
-from tests.comparison_studies import ITEMS, comparison_study
+from tests.comparison_studies import ITEMS, as_toml, comparison_study
 
 NOT_MEASURED = Measurement(1.0, None, None, None, None, "none")
 QUALITIES = {"front": 0.0, "back": 1.0, "front-back": -0.5}
@@ -86,6 +85,32 @@ def test_sets_are_complete_and_shuffled(study: Study, drawn_set: StimulusSet, nu
         placements = [drawn_set[identifier].factors["placement"] for identifier in trial.stimuli]
         assert sorted(map(str, placements)) == sorted(ITEMS)
     assert len({tuple(np.argsort(trial.stimuli)) for trial in trials}) > 1
+
+
+@given(data=st.data(), count=st.integers(2, 9))
+def test_ranks_are_those_of_a_competition(data: st.DataObject, count: int) -> None:
+    """Theory: a rank is 1 and the number of images in places before those that it is tied to."""
+    order = Order.as_shown(count)
+    places = st.integers(0, count - 1)
+    for source, target in data.draw(st.lists(st.tuples(places, places), max_size=6)):
+        order = order.moved(source, target)
+    for place in data.draw(st.lists(places, max_size=6)):
+        order = order.with_tie_changed(place)
+    ranks = order.ranks()
+    assert is_ranking(ranks, ties=True)
+    assert is_ranking(ranks, ties=False) == (not order.tied)
+    assert [ranks[image] for image in order.images] == sorted(ranks)
+    tied = [
+        place
+        for place in range(1, count)
+        if len({ranks[i] for i in order.images[place - 1 : place + 1]}) == 1
+    ]
+    assert set(tied) == order.tied
+
+
+@pytest.mark.parametrize("ranks", [(2, 3, 1), (1, 1, 2), (0, 1), (2, 2, 3), (1, 3, 3, 3)])
+def test_only_ranks_of_a_competition_are_rankings(ranks: tuple[int, ...]) -> None:
+    assert is_ranking(ranks, ties=True) == (ranks in {(2, 3, 1)})
 
 
 def test_two_images_of_one_item_cannot_be_compared(study: Study, drawn_set: StimulusSet) -> None:
@@ -156,17 +181,6 @@ def test_answers_are_those_of_the_task(
             make_response(asked, drawn_set, session, 5, answer, NOT_MEASURED)
 
 
-def test_runners_refuse_in_one_line_what_they_cannot_show(
-    study: Study, drawn_set: StimulusSet, store: Store, tmp_path: Path
-) -> None:
-    for task in TASKS:
-        asked = comparison_study(study, task)
-        with pytest.raises(UnavailableError, match=f"web runner does not show {task} yet"):
-            web.create_app(asked, drawn_set, store)
-        with pytest.raises(UnavailableError, match=f"lab runner does not show {task} yet"):
-            run_lab(asked, drawn_set, store, demographics={}, folder=tmp_path / "lab")
-
-
 def simulated(
     study: Study, stimuli: StimulusSet, store: Store, observer: ItemObserver, participants: int
 ) -> list[Session]:
@@ -214,7 +228,7 @@ def test_rankings_and_judgements_follow_quality(
     assert sum(means.values()) == pytest.approx(6)
     judged = comparison_study(study, "yes-no")
     simulated(judged, drawn_set, store, observer, 10)
-    table = load_responses(store._engine.url.render_as_string(), judged.name)
+    table = load_responses(store.engine.url.render_as_string(), judged.name)
     table["item"] = [str(drawn_set[shown[0]].factors["placement"]) for shown in table["stimuli"]]
     rates = table.assign(answer=table["answer"].astype(float)).groupby("item")["answer"].mean()
     noise = NOISE_OF_A_DIFFERENCE / np.sqrt(2)
@@ -266,7 +280,7 @@ def test_items_without_a_quality_and_other_tasks_are_refused(
 def test_the_command_simulates_comparisons(
     study: Study, drawn_set: StimulusSet, tmp_path: Path
 ) -> None:
-    toml = _toml(comparison_study(study, "two-alternative"))
+    toml = as_toml(comparison_study(study, "two-alternative"))
     (tmp_path / "pairs.toml").write_text(toml, encoding="utf-8")
     common = ["simulate", str(tmp_path / "pairs.toml"), "--stimuli", str(drawn_set.folder)]
     data = str(tmp_path / "answers.sqlite")
@@ -277,16 +291,3 @@ def test_the_command_simulates_comparisons(
     assert len(load_responses(data)) == 3 * 60
     refused = CliRunner().invoke(app, [*common, "--data", data])
     assert "data, qualities: both are needed" in str(refused.exception)
-
-
-def _toml(study: Study) -> str:
-    """Write a study as TOML: its keys at the top first, then its tables."""
-    content = {k: v for k, v in study.model_dump(mode="json").items() if v is not None}
-    flat = [f"{k} = {json.dumps(v)}" for k, v in content.items() if not isinstance(v, dict)]
-    tables = [
-        f"[{name}]\n"
-        + "\n".join(f"{k} = {json.dumps(v)}" for k, v in table.items() if v is not None)
-        for name, table in content.items()
-        if isinstance(table, dict)
-    ]
-    return "\n".join([*flat, *tables]) + "\n"

@@ -84,8 +84,9 @@ def take_everything(visitor: Visitor, study: Study, stimuli: StimulusSet) -> Vis
     client.get(example["regions"])
     told = visitor.begin().get().json()["trials"]
     for trial in told:
-        visitor.get(trial["image"])
-        visitor.get(trial["regions"])
+        (picture,) = trial["pictures"]
+        visitor.get(picture["image"])
+        visitor.get(picture["regions"])
     planned = planned_trials(study, stimuli, Assignment(visitor.number))
     for trial in planned:
         truth = stimuli[trial.stimuli[0]].answer or 1
@@ -146,7 +147,7 @@ def test_trials_differ_in_nothing_but_number_phase_and_opaque_image(visit: Visit
         reply.json()["trials"] for reply in visit.of("/api/sessions/") if "trials" in reply.text
     ]
     main = [trial for trial in told if trial["phase"] == "main"]
-    images = [trial.pop("image") for trial in main]
+    images = [trial["pictures"][0].pop("image") for trial in main]
     assert len(set(images)) == len(main)
     base = re.escape(f"/api/sessions/{visit.visitor.session}/images/")
     assert all(re.fullmatch(base + "[0-9a-f]{32}", image) for image in images)

@@ -29,7 +29,9 @@ def test_a_study_is_described_with_what_a_participant_needs(
     assert told["consent"] == {"version": "1", "text": study.consent.text}
     assert told["demographics"] == list(study.demographics)
     assert told["choices"] == study.stimuli.choices
-    assert told["timing"] == {"blank_s": study.timing.blank_s, "time_limit_s": None}
+    assert told["timing"]["blank_s"] == study.timing.blank_s
+    assert told["timing"]["time_limit_s"] is None
+    assert told["answers"] == {"labels": None, "ties": False}
     assert told["accepting"] is True
 
 
@@ -42,7 +44,9 @@ def test_the_example_is_shown_with_its_answer_and_is_no_trial(
     image = client.get(told["image"])
     assert image.headers["content-type"] == "image/png"
     trials = visitor.get().json()["trials"]
-    assert image.content not in [visitor.get(trial["image"]).content for trial in trials]
+    assert image.content not in [
+        visitor.get(trial["pictures"][0]["image"]).content for trial in trials
+    ]
     regions = client.get(told["regions"]).json()
     assert (
         sum(length for _, length in regions["runs"]) == regions["width_px"] * regions["height_px"]
@@ -104,7 +108,7 @@ def test_trials_are_those_of_the_participants_number(
     assert [trial["phase"] for trial in told] == [trial.phase for trial in planned]
     for trial, seen in zip(planned[:5], told[:5], strict=True):
         file = drawn_set.path(drawn_set[trial.stimuli[0]].file)
-        assert visitor.get(seen["image"]).content == file.read_bytes()
+        assert visitor.get(seen["pictures"][0]["image"]).content == file.read_bytes()
 
 
 def test_an_answer_is_stored_as_it_was_given(visitor: Visitor, store: Store) -> None:
@@ -165,10 +169,11 @@ def test_an_id_of_another_trial_is_refused(visitor: Visitor, store: Store) -> No
 def test_every_session_route_wants_the_sessions_token(
     visitor: Visitor, authorization: bytes
 ) -> None:
-    trial = visitor.get().json()["trials"][0]
+    (picture,) = visitor.get().json()["trials"][0]["pictures"]
     base, headers = f"/api/sessions/{visitor.session}", {b"Authorization": authorization}
+    paths = (base, picture["image"], picture["regions"])
     replies = [
-        *(visitor.client.get(p, headers=headers) for p in (base, trial["image"], trial["regions"])),
+        *(visitor.client.get(path, headers=headers) for path in paths),
         *(
             visitor.client.post(f"{base}/{route}", json=message, headers=headers)
             for route, message in (
@@ -184,7 +189,7 @@ def test_every_session_route_wants_the_sessions_token(
 def test_images_of_another_session_are_not_found(client: httpx.Client) -> None:
     mine, other = Visitor(client).begin(), Visitor(client).begin()
     for kind in ("image", "regions"):
-        opaque = other.get().json()["trials"][0][kind].rsplit("/", 1)[1]
+        opaque = other.get().json()["trials"][0]["pictures"][0][kind].rsplit("/", 1)[1]
         folder = {"image": "images", "regions": "regions"}[kind]
         assert mine.get(f"/{folder}/{opaque}").status_code == 404
 

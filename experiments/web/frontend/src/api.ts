@@ -6,6 +6,9 @@ const TIMEOUT_S = 20;
 
 export type DemographicsField = "age" | "gender" | "artistic_background";
 export type Gender = "female" | "male" | "other" | "undisclosed";
+export type Task = "odd-one-out" | "two-alternative" | "yes-no" | "ranking";
+/** By task: a label, a place from 1, 1 for yes and 0 for no, or the rank of each image shown. */
+export type AnswerValue = number | number[];
 export type InputKind = "mouse" | "touch" | "keyboard" | "none";
 
 /** What a participant says of themself; only the fields that the study lists. */
@@ -22,12 +25,20 @@ export interface Study {
   question: string;
   instructions: string[];
   language: string;
-  choices: number;
+  task: Task;
+  /** Of `odd-one-out` only. */
+  choices: number | null;
   consent: { version: string; text: string };
   demographics: DemographicsField[];
   screen: { minimum_width_px: number; minimum_height_px: number };
-  timing: { blank_s: number; time_limit_s: number | null };
-  example: { image: string; regions: string; answer: number } | null;
+  timing: {
+    blank_s: number;
+    image_s: number | null;
+    mask_s: number | null;
+    time_limit_s: number | null;
+  };
+  answers: { labels: [string, string] | null; ties: boolean };
+  example: (Picture & { answer: number }) | null;
   accepting: boolean;
 }
 
@@ -37,14 +48,19 @@ export interface Credentials {
   token: string;
 }
 
-/** One presentation; `image` and `regions` are addresses that say nothing about the contents. */
+/** An image; `image` and `regions` are addresses that say nothing about the contents. */
+export interface Picture {
+  image: string;
+  regions: string | null;
+  width_px: number;
+  height_px: number;
+}
+
+/** One presentation: the images that are shown in it, in their places. */
 export interface Trial {
   index: number;
   phase: "practice" | "main";
-  image: string;
-  regions: string;
-  width_px: number;
-  height_px: number;
+  pictures: Picture[];
   feedback: boolean;
 }
 
@@ -70,7 +86,7 @@ export interface RegionRuns {
 export interface Answer {
   id: string;
   trial_index: number;
-  answer: number | null;
+  answer: AnswerValue | null;
   reaction_time_s: number | null;
   onset_requested_s: number;
   onset_measured_s: number;
@@ -81,7 +97,7 @@ export interface Answer {
 
 export interface Feedback {
   correct: boolean;
-  answer: number;
+  answer: AnswerValue;
 }
 
 export interface AnswerReply {

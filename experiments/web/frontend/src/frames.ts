@@ -35,6 +35,32 @@ export async function showInFrame(change: () => void): Promise<Onset> {
   return { requested_s, measured_s: await nextFrame() };
 }
 
+/**
+ * Change the page so that the change appears a certain time after an onset, to the nearest frame.
+ *
+ * @param signal - Gives the change up when it aborts; the promise then never resolves.
+ */
+export async function showAfter(
+  onset: Onset,
+  duration_s: number,
+  change: () => void,
+  signal?: AbortSignal,
+): Promise<Onset> {
+  let [before_s, now_s] = [onset.measured_s, await nextFrame()];
+  let frame_s = now_s - before_s;
+  // A change appears one frame after that in which it is made.
+  while (now_s + 1.5 * frame_s < onset.measured_s + duration_s && !signal?.aborted) {
+    [before_s, now_s] = [now_s, await nextFrame()];
+    frame_s = Math.min(frame_s, now_s - before_s);
+  }
+  if (signal?.aborted) {
+    return new Promise(() => {});
+  }
+  const requested_s = performance.now() / 1000;
+  change();
+  return { requested_s, measured_s: await nextFrame() };
+}
+
 /** Watch frames until `stop` is called. */
 export function watchFrames(): { stop(): FrameReport } {
   const intervals_s: number[] = [];

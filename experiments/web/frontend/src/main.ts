@@ -78,7 +78,8 @@ async function loadExample({ example }: Study): Promise<Example | null> {
   if (example === null) {
     return null;
   }
-  const stimulus = (await preload([{ index: 0, ...example }], apiLoader(null))).get(0);
+  const loaded = await preload([{ index: 0, pictures: [example] }], apiLoader(null));
+  const stimulus = loaded.get(0)?.[0];
   return stimulus === undefined ? null : { stimulus, answer: example.answer };
 }
 

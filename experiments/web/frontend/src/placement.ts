@@ -19,12 +19,66 @@ export interface Rectangle {
  * @param area - The space to fill, in CSS pixels from the viewport's corner.
  * @param pixelRatio - Device pixels per CSS pixel.
  */
-export function fitImage(
-  image: { width_px: number; height_px: number },
+export function fitImage(image: Size, area: Rectangle, pixelRatio: number): Rectangle {
+  return centre(image, area, fittingScale(image, area), pixelRatio);
+}
+
+/**
+ * Place images in a grid in the middle of an area, all at one scale, as large as they fit.
+ *
+ * @param columns - How many side by side; null for as many as make the images largest.
+ * @param gap - Between neighbours, in CSS pixels.
+ * @param caption - The height of the line above each image, in CSS pixels.
+ */
+export function fitGrid(
+  images: readonly Size[],
   area: Rectangle,
   pixelRatio: number,
-): Rectangle {
-  const scale = Math.min(1, area.width / image.width_px, area.height / image.height_px);
+  { columns, gap, caption }: { columns: number | null; gap: number; caption: number },
+): Rectangle[] {
+  const largest = {
+    width_px: Math.max(...images.map(({ width_px }) => width_px)),
+    height_px: Math.max(...images.map(({ height_px }) => height_px)),
+  };
+  const grid = (across: number) => {
+    const down = Math.ceil(images.length / across);
+    const width = (area.width - gap * (across - 1)) / across;
+    const height = (area.height - gap * (down - 1)) / down - caption;
+    const empty = across * down - images.length;
+    return { across, down, empty, scale: fittingScale(largest, { width, height }) };
+  };
+  const numbers = images.map((_, index) => images.length - index);
+  const grids = (columns === null ? numbers : [columns]).map(grid);
+  const { across, down, scale } = leastBy(grids, (each) => HARDLY * each.empty - each.scale);
+  const width = scale * largest.width_px;
+  const height = scale * largest.height_px;
+  const left = area.left + (area.width - across * (width + gap) + gap) / 2;
+  const top = area.top + (area.height - down * (height + caption + gap) + gap) / 2;
+  return images.map((image, index) => {
+    const cell = {
+      left: left + (index % across) * (width + gap),
+      top: top + Math.floor(index / across) * (height + caption + gap) + caption,
+      width,
+      height,
+    };
+    return centre(image, cell, scale, pixelRatio);
+  });
+}
+
+/** The size of an image. */
+export interface Size {
+  width_px: number;
+  height_px: number;
+}
+
+/** Of grids with images of one size, the one with fewest empty places is best. */
+const HARDLY = 1e-9;
+
+function fittingScale(image: Size, area: { width: number; height: number }): number {
+  return Math.min(1, area.width / image.width_px, area.height / image.height_px);
+}
+
+function centre(image: Size, area: Rectangle, scale: number, pixelRatio: number): Rectangle {
   const width = Math.max(1, Math.floor(image.width_px * scale * pixelRatio));
   const height = Math.max(1, Math.floor(image.height_px * scale * pixelRatio));
   const left = Math.round((area.left + area.width / 2) * pixelRatio - width / 2);

@@ -1,9 +1,9 @@
 /** Loading and decoding every image before the first trial, so that none is waited for later. */
 
-import { getBlob, getJson, type RegionRuns, type Trial } from "./api";
+import { getBlob, getJson, type Picture, type RegionRuns } from "./api";
 import { Regions } from "./regions";
 import { retry } from "./retry";
-import type { Stimulus } from "./stage";
+import type { Stimulus } from "./stimulus";
 
 /** How many requests are under way at once. */
 export const PARALLEL = 6;
@@ -37,30 +37,30 @@ export function apiLoader(token: string | null): Loader {
  * @throws ApiError if the server refuses a file; passing failures are retried.
  */
 export async function preload(
-  trials: Pick<Trial, "index" | "image" | "regions">[],
+  trials: { index: number; pictures: Picture[] }[],
   loader: Loader,
   onProgress: (loaded: number, total: number) => void = () => {},
-): Promise<Map<number, Stimulus>> {
+): Promise<Map<number, Stimulus[]>> {
   const images = new Map<string, HTMLImageElement>();
   const regions = new Map<string, Regions>();
+  const pictures = trials.flatMap((trial) => trial.pictures);
+  const maps = pictures.map((picture) => picture.regions).filter((path) => path !== null);
   const tasks = [
-    ...unique(trials.map((trial) => trial.regions)).map((path) => async () => {
+    ...unique(maps).map((path) => async () => {
       regions.set(path, await retry(() => loader.regions(path)));
     }),
-    ...unique(trials.map((trial) => trial.image)).map((path) => async () => {
+    ...unique(pictures.map((picture) => picture.image)).map((path) => async () => {
       images.set(path, await retry(() => loader.image(path)));
     }),
   ];
   await inParallel(tasks, onProgress);
-  return new Map(
-    trials.map((trial) => [
-      trial.index,
-      {
-        image: images.get(trial.image) as HTMLImageElement,
-        regions: regions.get(trial.regions) as Regions,
-      },
-    ]),
-  );
+  const stimulus = ({ image, regions: map, width_px, height_px }: Picture): Stimulus => ({
+    image: images.get(image) as HTMLImageElement,
+    width_px,
+    height_px,
+    regions: map === null ? null : (regions.get(map) as Regions),
+  });
+  return new Map(trials.map(({ index, pictures }) => [index, pictures.map(stimulus)]));
 }
 
 async function inParallel(

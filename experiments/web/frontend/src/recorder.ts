@@ -7,10 +7,10 @@ import {
   post as postToServer,
   sessionPath,
 } from "./api";
+import type { TrialData } from "./asked";
 import { describeWindow } from "./device";
 import type { Notice } from "./notice";
 import { Outbox } from "./outbox";
-import type { OddOneOutData } from "./plugins/odd-one-out";
 import { ApiError } from "./retry";
 import { openPostStore, type Post, type PostStore } from "./storage";
 
@@ -46,7 +46,7 @@ export class Recorder {
   }
 
   /** Keep and send an answer; resolves when it is kept, with the promise of the server's reply. */
-  async answer(trialIndex: number, data: OddOneOutData): Promise<{ reply: Promise<AnswerReply> }> {
+  async answer(trialIndex: number, data: TrialData): Promise<{ reply: Promise<AnswerReply> }> {
     const id = answerId(this.credentials.session, trialIndex);
     const { answer, reaction_time_s, onset_requested_s, onset_measured_s } = data;
     const { frame_interval_s, dropped_frames, input } = data;

@@ -4,36 +4,33 @@ import { element } from "./dom";
 import { message } from "./messages";
 import { fitImage, numberPlaces } from "./placement";
 import { BACKGROUND, type Regions } from "./regions";
+import type { Exhibit, Stimulus } from "./stimulus";
 
 /** The side of a number and its distance from its object, in CSS pixels. */
 const NUMBER_SIZE = 20;
 const NUMBER_GAP = 2;
 
-/** A decoded image with its regions. */
-export interface Stimulus {
-  image: HTMLImageElement;
-  regions: Regions;
-}
-
 /** Shows one stimulus in an area of the page and keeps it in place when the window changes. */
-export class Stage {
+export class Stage implements Exhibit<number> {
   /** The area; the picture is centred in it. */
   readonly area = element("div", { class: "stage" });
   /** The number buttons by label. */
   readonly numbers = new Map<number, HTMLButtonElement>();
+  private readonly regions: Regions;
   private readonly picture: HTMLElement;
   private readonly stopListening = new AbortController();
 
-  constructor(
-    private readonly stimulus: Stimulus,
-    choices: number,
-  ) {
-    stimulus.image.alt = message("trial.image", { choices });
-    stimulus.image.draggable = false;
-    this.picture = element("div", { class: "picture" }, stimulus.image);
+  constructor({ image, regions }: Stimulus, choices: number) {
+    if (regions === null) {
+      throw new Error("a stage needs an image with regions");
+    }
+    this.regions = regions;
+    image.alt = message("trial.image", { choices });
+    image.draggable = false;
+    this.picture = element("div", { class: "picture" }, image);
     this.addNumbers();
     this.picture.addEventListener("pointermove", (event) => this.markHovered(event));
-    this.picture.addEventListener("pointerleave", () => this.mark(BACKGROUND));
+    this.picture.addEventListener("pointerleave", () => this.highlight(BACKGROUND));
     this.area.append(this.picture);
     window.addEventListener("resize", () => this.place(), { signal: this.stopListening.signal });
   }
@@ -41,12 +38,12 @@ export class Stage {
   /** Put the picture in its place; call it once the area is on the page. */
   place(): void {
     const area = this.area.getBoundingClientRect();
-    const shown = fitImage(this.stimulus.regions, area, window.devicePixelRatio);
+    const shown = fitImage(this.regions, area, window.devicePixelRatio);
     this.picture.style.left = `${shown.left - area.left}px`;
     this.picture.style.top = `${shown.top - area.top}px`;
     this.picture.style.width = `${shown.width}px`;
     this.picture.style.height = `${shown.height}px`;
-    this.placeNumbers(shown.width / this.stimulus.regions.width_px);
+    this.placeNumbers(shown.width / this.regions.width_px);
   }
 
   /** Hide or show the picture without moving anything. */
@@ -62,12 +59,12 @@ export class Stage {
       }
     }
     const shown = this.picture.getBoundingClientRect();
-    return this.stimulus.regions.labelUnder(event.clientX, event.clientY, shown);
+    return this.regions.labelUnder(event.clientX, event.clientY, shown);
   }
 
   /** Draw the outline of a region. */
-  outline(label: number): void {
-    const { regions } = this.stimulus;
+  mark(label: number): void {
+    const { regions } = this;
     const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     svg.setAttribute("viewBox", `0 0 ${regions.width_px} ${regions.height_px}`);
     svg.setAttribute("preserveAspectRatio", "none");
@@ -88,7 +85,7 @@ export class Stage {
   }
 
   private addNumbers(): void {
-    for (const label of [...this.stimulus.regions.boxes().keys()].sort((a, b) => a - b)) {
+    for (const label of [...this.regions.boxes().keys()].sort((a, b) => a - b)) {
       const name = message("trial.number", { label });
       const button = element("button", { class: "number", type: "button", "aria-label": name });
       button.append(String(label));
@@ -98,7 +95,7 @@ export class Stage {
   }
 
   private placeNumbers(scale: number): void {
-    const { regions } = this.stimulus;
+    const { regions } = this;
     for (const [label, { x, y }] of numberPlaces(
       regions,
       NUMBER_SIZE / scale,
@@ -114,10 +111,10 @@ export class Stage {
 
   /** The cue is the same for every object and changes nothing within the image. */
   private markHovered(event: PointerEvent): void {
-    this.mark(event.pointerType === "mouse" ? this.labelOf(event) : BACKGROUND);
+    this.highlight(event.pointerType === "mouse" ? this.labelOf(event) : BACKGROUND);
   }
 
-  private mark(hovered: number): void {
+  private highlight(hovered: number): void {
     this.picture.classList.toggle("over-object", hovered !== BACKGROUND);
     for (const [label, button] of this.numbers) {
       button.classList.toggle("hovered", label === hovered);

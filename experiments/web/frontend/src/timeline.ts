@@ -1,11 +1,12 @@
 /** The jsPsych timeline of a session: each trial, and after practice ones the feedback. */
 
 import type { Study, Trial } from "./api";
+import type { TrialData } from "./asked";
 import { message } from "./messages";
 import FeedbackPlugin, { type Outcome } from "./plugins/feedback";
-import OddOneOutPlugin, { type OddOneOutData } from "./plugins/odd-one-out";
 import type { Recorder } from "./recorder";
-import type { Stimulus } from "./stage";
+import type { Stimulus } from "./stimulus";
+import { presentationOf } from "./tasks";
 
 /**
  * Return the timeline of the trials that are still to be answered.
@@ -16,45 +17,44 @@ import type { Stimulus } from "./stage";
 export function makeTimeline(
   study: Study,
   trials: Trial[],
-  stimuli: Map<number, Stimulus>,
+  stimuli: Map<number, Stimulus[]>,
   recorder: Recorder,
 ) {
   return trials.flatMap((trial) => {
-    const stimulus = stimuli.get(trial.index);
-    return stimulus === undefined ? [] : presentation(study, trials, trial, stimulus, recorder);
+    const shown = stimuli.get(trial.index);
+    return shown === undefined ? [] : steps(study, trials, trial, shown, recorder);
   });
 }
 
-function presentation(
+function steps(
   study: Study,
   trials: Trial[],
   trial: Trial,
-  stimulus: Stimulus,
+  stimuli: Stimulus[],
   recorder: Recorder,
 ) {
   let outcome: Outcome;
+  const { ask, exhibit, name } = presentationOf(study, trial, stimuli);
   const common = {
-    stimulus: () => stimulus,
     question: study.question,
     position: positionOf(trial, trials),
     progress: trial.index / trials.length,
-    choices: study.choices,
   };
-  const ask = {
+  const question = {
     ...common,
-    type: OddOneOutPlugin,
+    ...ask,
+    stimuli: () => stimuli,
     blank_s: study.timing.blank_s,
     time_limit_s: study.timing.time_limit_s,
     // jsPsych waits for this: the next trial begins when the answer is kept.
-    on_finish: async (data: OddOneOutData) => {
+    on_finish: async (data: TrialData) => {
       const { reply } = await recorder.answer(trial.index, data);
       outcome = { answer: data.answer, feedback: reply.then(({ feedback }) => feedback) };
       outcome.feedback.catch(() => {}); // told by the feedback, or by the recorder's notice
     },
   };
-  return trial.feedback
-    ? [ask, { ...common, type: FeedbackPlugin, outcome: () => outcome }]
-    : [ask];
+  const tell = { ...common, type: FeedbackPlugin, exhibit, name, outcome: () => outcome };
+  return trial.feedback ? [question, tell] : [question];
 }
 
 function positionOf(trial: Trial, trials: Trial[]): string {

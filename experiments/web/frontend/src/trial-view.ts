@@ -2,24 +2,23 @@
 
 import { element } from "./dom";
 import { message } from "./messages";
-import type { Stage } from "./stage";
 
 /** What a trial's frame says. */
 export interface TrialHeading {
   question: string;
   position: string;
   progress: number;
-  choices: number;
 }
 
 /**
  * Return the view of a trial.
  *
- * @param below - What stands below the picture in place of the hint how to answer.
+ * @param area - What is shown, with or without pictures.
+ * @param below - What stands below: the hint how to answer, buttons, or what is told afterwards.
  */
 export function trialView(
-  { question, position, progress, choices }: TrialHeading,
-  stage: Stage,
+  { question, position, progress }: TrialHeading,
+  area: HTMLElement,
   ...below: Node[]
 ): HTMLElement {
   const bar = element("progress", {
@@ -27,7 +26,6 @@ export function trialView(
     value: String(progress),
     "aria-label": message("trial.progress"),
   });
-  const hint = element("p", { class: "hint" }, message("trial.hint", { choices }));
   return element(
     "main",
     { class: "trial" },
@@ -37,7 +35,12 @@ export function trialView(
       element("h1", {}, question),
       element("div", { class: "position" }, element("span", {}, position), bar),
     ),
-    stage.area,
-    element("footer", {}, ...(below.length > 0 ? below : [hint])),
+    area,
+    element("footer", {}, ...below),
   );
+}
+
+/** Return the line that says how to answer. */
+export function hint(text: string): HTMLElement {
+  return element("p", { class: "hint" }, text);
 }

@@ -2,7 +2,7 @@
 
 import type { RegionRuns } from "../src/api";
 import { Regions } from "../src/regions";
-import type { Stimulus } from "../src/stage";
+import type { Stimulus } from "../src/stimulus";
 
 /** Where every element is in tests: the picture has twice its size, 160 by 88 CSS pixels. */
 export const SHOWN = new DOMRect(10, 20, 160, 88);
@@ -33,17 +33,13 @@ export function discs(width_px = 80, height_px = 44): number[][] {
   );
 }
 
+/** An image of discs, eight of them to choose among. */
 export function drawnStimulus(): Stimulus {
-  return { image: new Image(), regions: Regions.fromRuns(runsOf(discs())) };
+  const regions = Regions.fromRuns(runsOf(discs()));
+  return { ...plainStimulus(), regions };
 }
 
-/** The mulberry32 generator: numbers in [0, 1) that are the same in every run. */
-export function randomNumbers(seed: number): () => number {
-  let state = seed;
-  return () => {
-    state = (state + 0x6d2b79f5) | 0;
-    let mixed = Math.imul(state ^ (state >>> 15), 1 | state);
-    mixed = (mixed + Math.imul(mixed ^ (mixed >>> 7), 61 | mixed)) ^ mixed;
-    return ((mixed ^ (mixed >>> 14)) >>> 0) / 4294967296;
-  };
+/** An image of the same size without regions. */
+export function plainStimulus(): Stimulus {
+  return { image: new Image(), width_px: 80, height_px: 44, regions: null };
 }

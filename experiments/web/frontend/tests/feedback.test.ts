@@ -1,7 +1,8 @@
 import { initJsPsych } from "jspsych";
 import { afterEach, describe, expect, it, vi } from "vitest";
-import type { Feedback } from "../src/api";
+import type { AnswerValue, Feedback } from "../src/api";
 import FeedbackPlugin from "../src/plugins/feedback";
+import { Stage } from "../src/stage";
 import { drawnStimulus } from "./drawn";
 
 afterEach(() => {
@@ -12,12 +13,12 @@ function run(answer: number | null, feedback: Promise<Feedback | null>) {
   const jsPsych = initJsPsych({ use_webaudio: false });
   const trial = {
     type: FeedbackPlugin,
-    stimulus: drawnStimulus,
+    exhibit: () => new Stage(drawnStimulus(), 8),
+    name: (right: AnswerValue) => `number ${right}`,
     outcome: () => ({ answer, feedback }),
     question: "Which one?",
     position: "",
     progress: 0,
-    choices: 8,
   };
   return jsPsych.run([trial]).then(() => jsPsych.data.get().values()[0].correct);
 }

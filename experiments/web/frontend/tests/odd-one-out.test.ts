@@ -1,6 +1,7 @@
 import { initJsPsych } from "jspsych";
 import { afterEach, describe, expect, it, vi } from "vitest";
-import OddOneOutPlugin, { type OddOneOutData } from "../src/plugins/odd-one-out";
+import type { TrialData } from "../src/asked";
+import OddOneOutPlugin from "../src/plugins/odd-one-out";
 import { drawnStimulus, SHOWN } from "./drawn";
 
 /** The middle of object 6, and a point of the background, on the page. */
@@ -15,11 +16,11 @@ afterEach(() => {
 async function runTrial(
   act: (area: Element) => void | Promise<void>,
   parameters: { time_limit_s?: number } = {},
-): Promise<OddOneOutData> {
+): Promise<TrialData> {
   const jsPsych = initJsPsych({ use_webaudio: false });
   const trial = {
     type: OddOneOutPlugin,
-    stimulus: drawnStimulus,
+    stimuli: () => [drawnStimulus()],
     question: "Which one?",
     position: "Image 1 of 1",
     progress: 0,

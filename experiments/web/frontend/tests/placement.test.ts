@@ -1,7 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { fitImage, numberPlaces } from "../src/placement";
+import { randomNumbers } from "../src/random";
 import { Regions } from "../src/regions";
-import { discs, randomNumbers, runsOf } from "./drawn";
+import { discs, runsOf } from "./drawn";
 
 const image = { width_px: 1024, height_px: 600 };
 

@@ -1,12 +1,15 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { type Loader, PARALLEL, preload } from "../src/preload";
+import type { Regions } from "../src/regions";
 import { ApiError } from "../src/retry";
 import { drawnStimulus } from "./drawn";
 
 const trials = Array.from({ length: 20 }, (_, index) => ({
   index: index + 3,
-  image: `/images/${index % 10}`, // every image is in two trials
-  regions: "/regions/all",
+  pictures: [
+    // every image is in two trials
+    { image: `/images/${index % 10}`, regions: "/regions/all", width_px: 80, height_px: 44 },
+  ],
 }));
 
 /** A loader that counts its calls and how many run at once, and fails as the test wants. */
@@ -21,7 +24,7 @@ class CountingLoader implements Loader {
   }
 
   regions(path: string) {
-    return this.load(path, drawnStimulus().regions);
+    return this.load(path, drawnStimulus().regions as Regions);
   }
 
   private async load<T>(path: string, loaded: T): Promise<T> {
@@ -66,6 +69,20 @@ describe("preload", () => {
     await vi.advanceTimersByTimeAsync(10_000);
     expect((await done).size).toBe(1);
     expect(loader.calls).toHaveLength(4);
+  });
+
+  it("loads images without regions, in their places", async () => {
+    const pictures = ["b", "a"].map((image) => ({
+      image,
+      regions: null,
+      width_px: 4,
+      height_px: 3,
+    }));
+    const loader = new CountingLoader();
+    const done = preload([{ index: 0, pictures }], loader);
+    await vi.advanceTimersByTimeAsync(1000);
+    expect((await done).get(0)).toMatchObject([{ width_px: 4, regions: null }, { height_px: 3 }]);
+    expect(loader.calls).toEqual(["b", "a"]);
   });
 
   it("ends with the server's word when a file is refused", async () => {

@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
+import { randomNumbers } from "../src/random";
 import { Regions } from "../src/regions";
-import { discs, randomNumbers, runsOf } from "./drawn";
+import { discs, runsOf } from "./drawn";
 
 const rows = discs();
 const regions = Regions.fromRuns(runsOf(rows));

@@ -3,7 +3,8 @@
 import type { Study } from "../api";
 import { element, pressed, showPage } from "../dom";
 import { message } from "../messages";
-import { Stage, type Stimulus } from "../stage";
+import { Stage } from "../stage";
+import type { Stimulus } from "../stimulus";
 
 /** The example as it is shown: a decoded stimulus and its right answer. */
 export interface Example {
@@ -24,7 +25,7 @@ export async function showInstructions(
 ): Promise<void> {
   const label = message(practice ? "instructions.begin_practice" : "instructions.begin");
   const begin = element("button", { class: "primary", type: "button" }, label);
-  const figure = example === null ? null : new ExampleFigure(example, study.choices);
+  const figure = example === null ? null : new ExampleFigure(example, study.choices ?? 0);
   showPage(
     root,
     message("instructions.title"),
@@ -47,7 +48,7 @@ class ExampleFigure {
     private readonly example: Example,
     choices: number,
   ) {
-    const { width_px, height_px } = example.stimulus.regions;
+    const { width_px, height_px } = example.stimulus;
     const caption = message("instructions.example", { answer: example.answer });
     this.stage = new Stage(example.stimulus, choices);
     this.stage.area.style.aspectRatio = `${width_px} / ${height_px}`;
@@ -58,7 +59,7 @@ class ExampleFigure {
   /** Put the picture in its place; call it once the figure is on the page. */
   show(): void {
     this.stage.place();
-    this.stage.outline(this.example.answer);
+    this.stage.mark(this.example.answer);
   }
 
   dispose(): void {

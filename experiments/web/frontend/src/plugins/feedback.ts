@@ -2,18 +2,20 @@
 
 import { type JsPsychPlugin, ParameterType, type TrialType } from "jspsych";
 import { version } from "../../package.json";
-import type { Feedback } from "../api";
+import type { AnswerValue, Feedback } from "../api";
 import { element, pressed } from "../dom";
 import { message } from "../messages";
-import { Stage } from "../stage";
+import type { Exhibit } from "../stimulus";
 import { trialView } from "../trial-view";
 
 const info = {
   name: "feedback",
   version,
   parameters: {
-    /** Returns the decoded image and its regions (`Stimulus`). */
-    stimulus: { type: ParameterType.FUNCTION, default: undefined },
+    /** Returns what is shown again, to have the right answer marked on it (`Exhibit`). */
+    exhibit: { type: ParameterType.FUNCTION, default: undefined },
+    /** Returns in words which answer is the right one. */
+    name: { type: ParameterType.FUNCTION, default: undefined },
     /** Returns what the participant answered, and a promise of the server's `Feedback`. */
     outcome: { type: ParameterType.FUNCTION, default: undefined },
     /** What the participant was asked. */
@@ -22,8 +24,6 @@ const info = {
     position: { type: ParameterType.STRING, default: undefined },
     /** The share of the study that is done, 0 to 1. */
     progress: { type: ParameterType.FLOAT, default: undefined },
-    /** How many objects there are. */
-    choices: { type: ParameterType.INT, default: undefined },
   },
   data: {
     /** Whether the answer was right; null when the server could not tell. */
@@ -35,11 +35,11 @@ type Info = typeof info;
 
 /** What the feedback is about. */
 export interface Outcome {
-  answer: number | null;
+  answer: AnswerValue | null;
   feedback: Promise<Feedback | null>;
 }
 
-/** Waits for the server's reply, shows it with the right object outlined, and goes on by button. */
+/** Waits for the server's reply, shows it with the right answer marked, and goes on by button. */
 export default class FeedbackPlugin implements JsPsychPlugin<Info> {
   static info = info;
 
@@ -48,7 +48,7 @@ export default class FeedbackPlugin implements JsPsychPlugin<Info> {
     trial: TrialType<Info>,
     onLoad: () => void = () => {},
   ): Promise<{ correct: boolean | null }> {
-    const stage = new Stage(trial.stimulus(), trial.choices);
+    const exhibit: Exhibit<AnswerValue> = trial.exhibit();
     const told = element("p", { class: "told", role: "status" }, message("feedback.waiting"));
     const go = element(
       "button",
@@ -56,31 +56,33 @@ export default class FeedbackPlugin implements JsPsychPlugin<Info> {
       message("feedback.continue"),
     );
     go.hidden = true;
-    display.replaceChildren(trialView(trial, stage, told, go));
-    stage.place();
+    display.replaceChildren(trialView(trial, exhibit.area, told, go));
+    exhibit.place();
     onLoad();
     const outcome: Outcome = trial.outcome();
     const feedback = await outcome.feedback.catch(() => null);
-    told.textContent = tell(outcome.answer, feedback);
+    told.textContent = tell(outcome.answer, feedback, trial.name);
     told.dataset.correct = String(feedback?.correct ?? "");
     if (feedback !== null) {
-      stage.outline(feedback.answer);
+      exhibit.mark(feedback.answer);
     }
     go.hidden = false;
     go.focus();
     await pressed(go);
-    stage.dispose();
+    exhibit.dispose();
     return { correct: feedback?.correct ?? null };
   }
 }
 
-function tell(answer: number | null, feedback: Feedback | null): string {
+function tell(
+  answer: AnswerValue | null,
+  feedback: Feedback | null,
+  name: (answer: AnswerValue) => string,
+): string {
   if (feedback === null) {
     return message("feedback.rejected");
   }
-  if (feedback.correct) {
-    return message("feedback.right", { answer: feedback.answer });
-  }
-  const key = answer === null ? "feedback.late" : "feedback.wrong";
-  return message(key, { answer: feedback.answer });
+  const verdict = answer === null ? "feedback.late" : "feedback.wrong";
+  const right = name(feedback.answer);
+  return message(feedback.correct ? "feedback.right" : verdict, { right });
 }

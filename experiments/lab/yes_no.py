@@ -1,0 +1,46 @@
+"""`yes-no` in the window: one image and two buttons."""
+
+from collections.abc import Sequence
+
+from experiments.lab.buttons import Buttons, above_buttons
+from experiments.lab.geometry import fit_grid
+from experiments.lab.inputs import Press
+from experiments.lab.presenter import Presentation, Scene
+from experiments.lab.task_view import PlainTaskView
+from experiments.lab.window import Drawable
+from experiments.trials import Answer, Trial
+
+
+class YesNoView(PlainTaskView):
+    """Shows an image, perhaps for a while only; the first button is yes."""
+
+    @property
+    def how_to(self) -> str:
+        """How the trials are answered, for the instructions."""
+        return f"Press 1 for {self._labels[0]!r} or 2 for {self._labels[1]!r}."
+
+    def present(self, trial: Trial) -> Presentation:
+        """Prepare a trial, its stimuli loaded."""
+        buttons = Buttons(self.window, self.area, self._labels)
+        scenes = [Scene([*self._picture(trial), *buttons.parts])]
+        if self.study.timing.image_s is not None:
+            first = Scene(scenes[0].parts, self.study.timing.image_s)
+            scenes = [first, Scene(buttons.parts)]
+
+        def answer_of(press: Press) -> Answer:
+            number = buttons.number_of(press)
+            return None if number is None else 2 - number
+
+        return Presentation(scenes, answer_of)
+
+    def mark(self, trial: Trial, right: Answer) -> tuple[Sequence[Drawable], str]:
+        """Prepare a trial with its right answer marked, and say which that is."""
+        return self._picture(trial), f"the answer is: {self._labels[0 if right == 1 else 1]}"
+
+    @property
+    def _labels(self) -> tuple[str, str]:
+        return self.study.answers.labels or ("Yes", "No")
+
+    def _picture(self, trial: Trial) -> list[Drawable]:
+        (picture,) = self.pictures(trial)
+        return [picture.at(*fit_grid([picture.size_px], above_buttons(self.area, self.window)))]

@@ -1,0 +1,193 @@
+"""The parts of a study file: what each table of it may say."""
+
+import math
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
+
+Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
+Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
+DemographicsField = Literal["age", "gender", "artistic_background"]
+
+Task = Literal["odd-one-out", "two-alternative", "yes-no", "ranking"]
+
+
+class Part(BaseModel):
+    """A table of the file: frozen, and nothing in it but what is known."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Stimuli(Part):
+    """Which stimuli are shown, and what of them is analysed.
+
+    Attributes
+    ----------
+    set
+        The name of the stimulus set (`trompe stimuli make SET DIR` makes it).
+    choices
+        How many objects a participant can choose among in `odd-one-out`; chance is 1 / choices.
+    item
+        The factor whose levels are compared in `two-alternative` and `ranking`, and judged in
+        `yes-no`: for instance the method that made an image.
+    within
+        The factors that are equal for all images that are compared at once.
+    level
+        The factor whose threshold is sought, or None.
+    level_unit
+        Its unit, as figures print it.
+    conditions
+        The factors that split the analysis.
+    encoding
+        How the images' values relate to light; it must be the set's own.
+    """
+
+    set: Name
+    choices: int | None = Field(default=None, ge=2, le=9)
+    item: str | None = None
+    within: tuple[str, ...] = ()
+    level: str | None = None
+    level_unit: str = ""
+    conditions: tuple[str, ...] = ()
+    encoding: Literal["srgb"] = "srgb"
+
+
+class Design(Part):
+    """The order of the main trials.
+
+    Attributes
+    ----------
+    kind
+        `factorial`: every main stimulus; `pairs`: every pair of items within the same levels of
+        the other factors, left and right balanced; `sets`: all such items at once. The order is
+        another one for every participant.
+    repeats
+        How often each stimulus, pair or set is shown; no image follows itself where that can be.
+    seed
+        With the participant's number it fixes every order.
+    """
+
+    kind: Literal["factorial", "pairs", "sets"] = "factorial"
+    repeats: int = Field(default=1, ge=1, le=100)
+    seed: int = Field(ge=0)
+
+
+class Practice(Part):
+    """Trials before the main ones, with the set's practice stimuli."""
+
+    trials: int = Field(ge=0, le=100)
+    feedback: bool = True
+
+
+class Timing(Part):
+    """Durations within a trial.
+
+    Attributes
+    ----------
+    blank_s
+        The empty screen before each stimulus.
+    image_s
+        Of `yes-no` and `two-alternative`: how long an image stays; the answer may come later. None:
+        until the answer.
+    mask_s
+        Of `two-alternative`: show one image after the other, each for `image_s`, and a mask of
+        noise for so long after each; 0 for an empty place. None: side by side.
+    time_limit_s
+        How long an answer may take from the onset (one after the other: of the second image), or
+        None for no limit; a trial without an answer in that time is stored with the answer None.
+    """
+
+    blank_s: float = Field(default=0.5, ge=0, le=10)
+    image_s: float | None = Field(default=None, gt=0, le=3600)
+    mask_s: float | None = Field(default=None, ge=0, le=10)
+    time_limit_s: float | None = Field(default=None, gt=0, le=3600)
+
+    @property
+    def in_turn(self) -> bool:
+        """Whether two images are shown one after the other."""
+        return self.mask_s is not None
+
+    @model_validator(mode="after")
+    def _check_durations(self) -> Self:
+        """Refuse a mask without an image that ends, and an image that outlasts the time limit."""
+        if self.mask_s is not None and self.image_s is None:
+            raise ValueError("timing.image_s: missing; mask_s needs it")
+        if not self.in_turn and self.image_s and self.image_s > (self.time_limit_s or math.inf):
+            raise ValueError(
+                f"timing.image_s: {self.image_s:g} given, at most time_limit_s accepted"
+            )
+        return self
+
+
+class Answers(Part):
+    """How answers are given.
+
+    Attributes
+    ----------
+    labels
+        Of `yes-no`: what the two buttons say, yes first; of `ranking`: what the two ends of the
+        order are called, best first. None: in the runner's own words.
+    ties
+        Of `ranking`: whether images may share a rank.
+    """
+
+    labels: tuple[Text, Text] | None = None
+    ties: bool = False
+
+
+class Consent(Part):
+    """What a participant agrees to; its version is stored with the session."""
+
+    version: Text
+    text: Text
+
+
+class Screen(Part):
+    """The smallest usable window, in CSS pixels on the web and in pixels in the lab."""
+
+    minimum_width_px: int = Field(default=0, ge=0, le=10_000)
+    minimum_height_px: int = Field(default=0, ge=0, le=10_000)
+
+
+class Stopping(Part):
+    """How many complete participants end the collection."""
+
+    participants: int = Field(ge=1)
+
+
+class Exclusion(Part):
+    """Who is left out of the analysis; declared before the first answer.
+
+    Attributes
+    ----------
+    incomplete
+        Leave out participants who did not finish.
+    shortest_median_s
+        Leave out participants whose median time per main answer is below this.
+    catch_level
+        Of `odd-one-out`: main trials at this level or above are catch trials, plain to see for who
+        pays attention. They only tell whose answers count, and are in no result themselves.
+    least_catch_share
+        Leave out participants who are right in a smaller share of the catch trials.
+    largest_late_share
+        Leave out participants who saw late frames in a larger share of the main trials.
+    """
+
+    incomplete: bool = True
+    shortest_median_s: float | None = Field(default=None, gt=0)
+    catch_level: float | None = None
+    least_catch_share: float | None = Field(default=None, gt=0, le=1)
+    largest_late_share: float | None = Field(default=None, ge=0, lt=1)
+
+
+class Analysis(Part):
+    """What is tested; declared before the first answer.
+
+    Attributes
+    ----------
+    equivalence_margin
+        Of `two-alternative`: how far from one half the share of answers for an item of a pair may
+        lie and the two still count as equally good, such as 0.1; None: equivalence is not tested.
+    """
+
+    equivalence_margin: float | None = Field(default=None, gt=0, lt=0.5)
