@@ -10,6 +10,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
+from skimage.measure import block_reduce
+from skimage.transform import resize
 
 from algorithms.checks import checked_area, checked_image
 from algorithms.color import FloatImage, luminance
@@ -20,6 +22,7 @@ Mask = NDArray[np.bool_]
 
 _BAND_IN_SIDES: Final = 1 / 12
 _SPREAD_IN_SIDES: Final = 1 / 6
+_CELLS: Final = 8  # in a standard deviation: what is so smooth needs no pixels
 _FAINT: Final = 1e-4  # weight of neighbours too far away to tell
 _DARKEST: Final = 1e-6
 
@@ -135,9 +138,13 @@ def _coverage(
 
 def _spread(values: Plane, known: Mask, sigma_px: float) -> Plane:
     """Return what the nearest known values are on average; their mean where none is near."""
-    weight = ndimage.gaussian_filter(known.astype(np.float32), sigma_px)[..., None]
-    sums = ndimage.gaussian_filter(
-        np.where(known[..., None], values, 0), (sigma_px, sigma_px, 0), mode="reflect"
-    )
-    mean = values[known].mean(axis=0)
-    return np.asarray((sums + _FAINT * mean) / (weight + _FAINT))
+    cell_px = max(1, int(sigma_px / _CELLS))
+    cells = (cell_px, cell_px, 1)
+    weight = block_reduce(known[..., None].astype(np.float32), cells, np.mean)
+    sums = block_reduce(np.where(known[..., None], values, 0), cells, np.mean)
+    sigma = (sigma_px / cell_px, sigma_px / cell_px, 0)
+    weight, sums = (ndimage.gaussian_filter(each, sigma) for each in (weight, sums))
+    coarse = (sums + _FAINT * values[known].mean(axis=0)) / (weight + _FAINT)
+    whole = (coarse.shape[0] * cell_px, coarse.shape[1] * cell_px, values.shape[2])
+    spread = resize(coarse, whole, order=1, mode="edge")[: values.shape[0], : values.shape[1]]
+    return np.asarray(spread, dtype=np.float32)

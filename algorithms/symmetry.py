@@ -25,7 +25,7 @@ EPSILON: Final = 1e-4
 
 _BLOCK: Final = 2**15  # pixels, so that what is made of a block stays in the cache
 _STREAMS: Final = 2  # as fixed as the order of additions, whatever the cores: the same bytes
-_SMALL: Final = 2**22  # pixels, of which each stream may have its own copy
+_SMALL: Final = 2**20  # pixels: of these each stream may have its own copy
 
 
 @dataclass(frozen=True)

@@ -223,6 +223,11 @@ def _looked_up(picture: FloatImage, rows: Plane, columns: Plane) -> FloatImage:
     level = np.clip(np.log2(np.maximum(np.maximum(*steps), 1)), 0, _LEVELS - 1)
     height, width = picture.shape[:2]
     rows, columns = _mirrored(rows, height), _mirrored(columns, width)
+    # The part of the picture that is seen, and what is blurred into it.
+    margin_px = 2 * 2**_LEVELS
+    top, left = (max(0, int(place.min()) - margin_px) for place in (rows, columns))
+    picture = picture[top : int(rows.max()) + margin_px, left : int(columns.max()) + margin_px]
+    rows, columns = rows - top, columns - left
     result = np.zeros((*rows.shape, 3), dtype=np.float32)
     for number in range(_LEVELS):
         weight = np.maximum(1 - np.abs(level - number), 0)
