@@ -72,6 +72,8 @@ def check(
         trials = planned_trials(loaded, _verified(loaded, stimuli), Assignment(1))
         facts["practice_trials"] = sum(trial.phase == "practice" for trial in trials)
         facts["main_trials"] = sum(trial.phase == "main" for trial in trials)
+        if loaded.catch is not None:
+            facts["catch_trials"] = sum(trial.phase == "catch" for trial in trials)
     _print_facts(facts, as_json)
 
 

@@ -17,6 +17,7 @@ from algorithms.errors import InputError
 from experiments import tables
 from experiments.answer_writer import AnswerWriter, ConflictError, WithdrawnError
 from experiments.database import open_database, reading, take_turns
+from experiments.designs import next_number, order_rows
 from experiments.responses import Event, Response, Runner, Session, now
 from experiments.study import Study
 from experiments.trials import Answer
@@ -161,7 +162,7 @@ class Store:
         token = secrets.token_urlsafe(24)
         with self.engine.begin() as connection:
             take_turns(connection)
-            number = new.participant_number or _next_number(connection, study.name)
+            number = new.participant_number or _next_number(connection, study, stimuli)
             participant = check_participant(new.participant or f"P{number:04d}")
             session = Session(
                 id=f"{study.name}.{participant}.1",
@@ -332,11 +333,18 @@ def check_participant(participant: str) -> str:
     return participant
 
 
-def _next_number(connection: Connection, study: str) -> int:
-    query = sa.select(sa.func.max(tables.sessions.c.participant_number)).where(
-        tables.sessions.c.study == study
+def _next_number(connection: Connection, study: Study, stimuli: StimulusSet) -> int:
+    columns, rows = tables.sessions.c, order_rows(study, stimuli)
+    if rows == 1:
+        query = sa.select(sa.func.max(columns.participant_number)).where(
+            columns.study == study.name
+        )
+        return int(connection.execute(query).scalar_one_or_none() or 0) + 1
+    every = sa.select(columns.participant_number, columns.completed_at).where(
+        columns.study == study.name
     )
-    return int(connection.execute(query).scalar_one_or_none() or 0) + 1
+    taken = {number: bool(completed) for number, completed in connection.execute(every)}
+    return next_number(taken, rows)
 
 
 def _session_of(row: sa.Row[tuple[Any, ...]]) -> Session:

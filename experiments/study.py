@@ -12,6 +12,7 @@ from algorithms.errors import InputError
 from experiments.study_parts import (
     Analysis,
     Answers,
+    Catch,
     Consent,
     DemographicsField,
     Design,
@@ -26,9 +27,9 @@ from experiments.study_parts import (
     Text,
     Timing,
 )
-from stimuli.manifest import StimulusSet, first_fault
+from stimuli.manifest import Role, Stimulus, StimulusSet, first_fault
 
-__all__ = ["READY_MADE", "Exclusion", "Study", "Task", "check_stimuli", "load_study"]
+__all__ = ["READY_MADE", "Exclusion", "Study", "Task", "check_stimuli", "chosen", "load_study"]
 
 # A task compares single images, pairs of them, or whole sets.
 _DESIGN_OF_TASK: dict[Task, str] = {
@@ -39,13 +40,19 @@ _DESIGN_OF_TASK: dict[Task, str] = {
 }
 # Keys and parts that came after the first studies were run.
 _LATER_KEYS = {
-    "stimuli": ("item", "within"),
+    "stimuli": ("item", "within", "only"),
+    "design": ("one_of_each", "distinct", "blocks"),
+    "practice": ("best_first",),
     "timing": ("image_s", "mask_s"),
     "exclusion": ("catch_level", "least_catch_share", "largest_late_share"),
 }
-_LATER_PARTS = ("answers", "analysis")
+_LATER_PARTS = ("answers", "catch", "analysis")
 # Keys that only some tasks have a use for.
 _TASKS_OF_KEY: tuple[tuple[str, tuple[Task, ...]], ...] = (
+    ("design.one_of_each", ("odd-one-out", "yes-no")),
+    ("design.distinct", ("odd-one-out", "yes-no")),
+    ("practice.best_first", ("two-alternative", "ranking")),
+    ("catch", ("two-alternative", "ranking")),
     ("timing.image_s", ("yes-no", "two-alternative")),
     ("timing.mask_s", ("two-alternative",)),
     ("answers.labels", ("yes-no", "ranking")),
@@ -70,6 +77,7 @@ class Study(Part):
     stimuli: Stimuli
     design: Design
     practice: Practice = Practice(trials=0)
+    catch: Catch | None = None
     timing: Timing = Timing()
     answers: Answers = Answers()
     consent: Consent
@@ -98,7 +106,8 @@ class Study(Part):
         if key is None:
             return bool(getattr(self, part) == type(self).model_fields[part].default)
         of_part: Part = getattr(self, part)
-        return bool(getattr(of_part, key) == type(of_part).model_fields[key].default)
+        default = type(of_part).model_fields[key].get_default(call_default_factory=True)
+        return bool(getattr(of_part, key) == default)
 
     @property
     def guess_rate(self) -> float:
@@ -138,12 +147,16 @@ class Study(Part):
     @model_validator(mode="after")
     def _check_rules(self) -> Self:
         """Refuse rules that the task has no use for, and halves of rules."""
-        rule = self.exclusion
-        if (rule.catch_level is None) != (rule.least_catch_share is None):
-            raise ValueError("exclusion.catch_level, least_catch_share: one without the other")
         for name, tasks in _TASKS_OF_KEY:
             if self.task not in tasks and not self._is_default(*name.split(".")):
                 raise ValueError(f"{name}: the task {self.task} has no use for it")
+        rule = self.exclusion
+        if self.catch is not None and rule.least_catch_share is None:
+            raise ValueError("exclusion.least_catch_share: missing; there are catch trials")
+        if self.catch is None and (rule.catch_level is None) != (rule.least_catch_share is None):
+            raise ValueError("exclusion.catch_level, least_catch_share: one without the other")
+        if (self.design.one_of_each is None) != (self.design.distinct is None):
+            raise ValueError("design.one_of_each, distinct: one without the other")
         return self
 
 
@@ -190,17 +203,24 @@ def check_stimuli(study: Study, stimuli: StimulusSet) -> None:
     InputError
         Naming the study's key that does not fit the set.
     """
-    main, practice = stimuli.with_role("main"), stimuli.with_role("practice")
+    main, practice = chosen(study, stimuli, "main"), chosen(study, stimuli, "practice")
     _require(study.stimuli.set == stimuli.name, "stimuli.set", study.stimuli.set, stimuli.name)
-    factors = sorted(main[0].factors) if main else []
+    factors = sorted(stimuli.with_role("main")[0].factors) if stimuli.with_role("main") else []
     for key, names in (
         ("level", [study.stimuli.level] if study.stimuli.level else []),
         ("conditions", study.stimuli.conditions),
         ("item", [study.stimuli.item] if study.stimuli.item else []),
         ("within", study.stimuli.within),
+        ("only", study.stimuli.only),
     ):
         for name in names:
             _require(name in factors, f"stimuli.{key}", name, f"the factors {', '.join(factors)}")
+    for key in ("one_of_each", "distinct", "blocks"):
+        name = getattr(study.design, key)
+        if name is not None:
+            _require(name in factors, f"design.{key}", name, f"the factors {', '.join(factors)}")
+    if not main:
+        raise InputError("stimuli.only: no main stimulus of the set has these levels")
     _require(
         study.practice.trials <= len(practice),
         "practice.trials",
@@ -211,6 +231,16 @@ def check_stimuli(study: Study, stimuli: StimulusSet) -> None:
         _check_regions(study, stimuli)
 
 
+def chosen(study: Study, stimuli: StimulusSet, role: Role) -> tuple[Stimulus, ...]:
+    """Return the stimuli of a role that take part: those with the levels of `stimuli.only`."""
+    only = study.stimuli.only
+    return tuple(
+        stimulus
+        for stimulus in stimuli.with_role(role)
+        if all(stimulus.factors.get(name) in levels for name, levels in only.items())
+    )
+
+
 def _check_regions(study: Study, stimuli: StimulusSet) -> None:
     _require(
         study.stimuli.choices == len(stimuli.objects),
@@ -218,7 +248,7 @@ def _check_regions(study: Study, stimuli: StimulusSet) -> None:
         study.stimuli.choices,
         f"{len(stimuli.objects)} objects",
     )
-    for stimulus in (*stimuli.with_role("main"), *stimuli.with_role("practice")):
+    for stimulus in (*chosen(study, stimuli, "main"), *chosen(study, stimuli, "practice")):
         if stimulus.regions is None:
             raise InputError(f"stimuli.set: {stimulus.id} of the set has no regions to choose from")
 

@@ -1,9 +1,12 @@
 """The parts of a study file: what each table of it may say."""
 
 import math
+from collections.abc import Mapping
 from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
+
+from stimuli.manifest import Factor
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
 Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
@@ -32,6 +35,8 @@ class Stimuli(Part):
         `yes-no`: for instance the method that made an image.
     within
         The factors that are equal for all images that are compared at once.
+    only
+        By factor, the levels whose stimuli take part; a factor that is not named takes all.
     level
         The factor whose threshold is sought, or None.
     level_unit
@@ -46,6 +51,7 @@ class Stimuli(Part):
     choices: int | None = Field(default=None, ge=2, le=9)
     item: str | None = None
     within: tuple[str, ...] = ()
+    only: Mapping[str, tuple[Factor, ...]] = Field(default_factory=dict)
     level: str | None = None
     level_unit: str = ""
     conditions: tuple[str, ...] = ()
@@ -63,20 +69,57 @@ class Design(Part):
         another one for every participant.
     repeats
         How often each stimulus, pair or set is shown; no image follows itself where that can be.
+    one_of_each, distinct
+        Of `factorial`: show a participant one stimulus, drawn at random, for each level of the
+        factor `one_of_each`, such that no level of the factor `distinct` comes twice.
+    blocks
+        The factor whose levels are shown one after the other, each as a block; over the
+        participants every level comes equally often in every place and after every other.
     seed
         With the participant's number it fixes every order.
     """
 
     kind: Literal["factorial", "pairs", "sets"] = "factorial"
     repeats: int = Field(default=1, ge=1, le=100)
+    one_of_each: str | None = None
+    distinct: str | None = None
+    blocks: str | None = None
     seed: int = Field(ge=0)
 
 
 class Practice(Part):
-    """Trials before the main ones, with the set's practice stimuli."""
+    """Trials before the main ones, with the set's practice stimuli.
+
+    Attributes
+    ----------
+    trials
+        How many, the same for everybody.
+    feedback
+        Whether the right answer is told, where there is one.
+    best_first
+        Of `two-alternative` and `ranking`: the items in the order that the feedback calls right.
+    """
 
     trials: int = Field(ge=0, le=100)
     feedback: bool = True
+    best_first: tuple[str, ...] = ()
+
+
+class Catch(Part):
+    """Trials plain to see for who pays attention, among the main ones and in no result themselves.
+
+    Attributes
+    ----------
+    better, worse
+        Two items of `stimuli.item`, whether they are compared otherwise or not. A pair is made of
+        both; a ranking has the worse one added, and the better one must be ranked above it.
+    trials
+        How many, drawn from the comparisons that have both items.
+    """
+
+    better: Text
+    worse: Text
+    trials: int = Field(ge=1, le=100)
 
 
 class Timing(Part):
@@ -168,7 +211,8 @@ class Exclusion(Part):
         Of `odd-one-out`: main trials at this level or above are catch trials, plain to see for who
         pays attention. They only tell whose answers count, and are in no result themselves.
     least_catch_share
-        Leave out participants who are right in a smaller share of the catch trials.
+        Leave out participants who are right in a smaller share of the catch trials: those of
+        `catch_level`, or those of the study's `catch`.
     largest_late_share
         Leave out participants who saw late frames in a larger share of the main trials.
     """

@@ -1,19 +1,25 @@
 """What is shown next: a deterministic function of study, stimuli, assignment and answers."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Literal
 
 import numpy as np
 
 from algorithms.errors import InputError
-from experiments.study import Study
-from stimuli.manifest import Factor, Stimulus, StimulusSet
+from experiments.designs import (
+    Shown,
+    arrange,
+    block_order,
+    catch_comparisons,
+    drawn_subset,
+    in_blocks,
+    ordered,
+)
+from experiments.study import Study, chosen
+from stimuli.manifest import StimulusSet
 
-Phase = Literal["practice", "main"]
-Shown = tuple[str, ...]
-"""The ids of the images that are shown at once, in their places."""
+Phase = Literal["practice", "main", "catch"]
 Answer = int | tuple[int, ...] | None
 """By task: the label of the chosen region (odd-one-out), the place of the chosen image from 1
 (two-alternative), 1 for yes and 0 for no (yes-no), the rank of each image in the order shown, 1 for
@@ -48,7 +54,8 @@ class Trial:
     index
         Its place in the session, from 0.
     phase
-        `practice` trials are never analysed.
+        `practice` trials are never analysed; `catch` trials stand among the main ones, and only
+        tell who pays attention.
     stimuli
         The ids of the stimuli in the order shown: one, two for two-alternative (left, right), or
         all that are to be ranked.
@@ -68,18 +75,34 @@ def planned_trials(study: Study, stimuli: StimulusSet, assignment: Assignment) -
     Practice presents the first of the set's practice stimuli, the same for everybody; the main
     trials are drawn by the study's seed and the participant's number.
     """
-    generator = np.random.default_rng([study.design.seed, assignment.participant_number])
-    arrange = {"factorial": _single, "pairs": _pairs, "sets": _sets}[study.design.kind]
-    practice = arrange(study, stimuli.with_role("practice"))[: study.practice.trials]
-    main = ordered(arrange(study, stimuli.with_role("main")), study.design.repeats, generator)
-    shown: list[tuple[Phase, Shown]] = [
-        *(("practice", together) for together in practice),
-        *(("main", together) for together in main),
-    ]
+    number = assignment.participant_number
+    generator = np.random.default_rng([study.design.seed, number])
+    practice = arrange(study, chosen(study, stimuli, "practice"))[: study.practice.trials]
+    main = _main(study, stimuli, number, generator)
+    caught = catch_comparisons(study, stimuli, generator)
+    shown: list[tuple[Phase, Shown]] = [("main", together) for together in main]
+    for together in caught:
+        shown.insert(int(generator.integers(len(shown) + 1)), ("catch", together))
+    shown = [*(("practice", together) for together in practice), *shown]
     return tuple(
         Trial(index, phase, together, phase == "practice" and study.practice.feedback)
         for index, (phase, together) in enumerate(shown)
     )
+
+
+def _main(
+    study: Study, stimuli: StimulusSet, number: int, generator: np.random.Generator
+) -> list[Shown]:
+    main, design = chosen(study, stimuli, "main"), study.design
+    if design.one_of_each is not None:
+        main = drawn_subset(design, main, generator)
+    if design.blocks is None:
+        return ordered(arrange(study, main), design.repeats, generator)
+    blocks = in_blocks(design.blocks, main)
+    order: list[Shown] = []
+    for block in block_order(len(blocks), number):
+        order += ordered(arrange(study, blocks[block]), design.repeats, generator, order)
+    return order
 
 
 def next_trial(
@@ -101,91 +124,3 @@ def next_trial(
         if trial.index not in answers_so_far:
             return trial
     return None
-
-
-def comparisons(
-    study: Study, stimuli: Sequence[Stimulus]
-) -> dict[tuple[Factor, ...], dict[str, Stimulus]]:
-    """Group stimuli by the factors that are equal within a comparison.
-
-    Returns
-    -------
-    By the levels of `stimuli.within`, the stimuli by the level of `stimuli.item`, as text.
-
-    Raises
-    ------
-    InputError
-        If two stimuli of a group are of the same item.
-    """
-    item, groups = study.stimuli.item, dict[tuple[Factor, ...], dict[str, Stimulus]]()
-    assert item is not None
-    for stimulus in stimuli:
-        group = groups.setdefault(tuple(stimulus.factors[n] for n in study.stimuli.within), {})
-        name = str(stimulus.factors[item])
-        if name in group:
-            raise InputError(
-                f"stimuli.within: {stimulus.id!r} and {group[name].id!r} are both {item} {name}"
-                " of one comparison; name the factor in which they differ"
-            )
-        group[name] = stimulus
-    return groups
-
-
-def _single(_: Study, stimuli: Sequence[Stimulus]) -> list[Shown]:
-    return [(stimulus.id,) for stimulus in stimuli]
-
-
-def _pairs(study: Study, stimuli: Sequence[Stimulus]) -> list[Shown]:
-    return [
-        (first.id, second.id)
-        for group in comparisons(study, stimuli).values()
-        for first, second in combinations(group.values(), 2)
-    ]
-
-
-def _sets(study: Study, stimuli: Sequence[Stimulus]) -> list[Shown]:
-    return [
-        tuple(stimulus.id for stimulus in group.values())
-        for group in comparisons(study, stimuli).values()
-    ]
-
-
-def ordered(shown: Sequence[Shown], repeats: int, generator: np.random.Generator) -> list[Shown]:
-    """Return presentations in random order and with random places, balanced over them.
-
-    Parameters
-    ----------
-    shown
-        The images of each presentation.
-    repeats
-        Rounds; each is shuffled on its own.
-    generator
-        Where chance comes from.
-
-    Returns
-    -------
-    In each round half of the pairs (or one more) are turned around, in the next round the other
-    half; sets of more images are shuffled. No image follows itself where another presentation is
-    left; what is left at the end of a round may leave no choice.
-    """
-    order: list[Shown] = []
-    turned = np.arange(len(shown)) % 2 == 1
-    if any(len(together) == 2 for together in shown):
-        turned = generator.permutation(turned)
-    for _ in range(repeats):
-        left = [
-            _placed(together, bool(turn), generator)
-            for together, turn in zip(shown, turned, strict=True)
-        ]
-        left = [left[i] for i in generator.permutation(len(left))]
-        while left:
-            fresh = (n for n, each in enumerate(left) if not order or not {*each} & {*order[-1]})
-            order.append(left.pop(next(fresh, 0)))
-        turned = ~turned
-    return order
-
-
-def _placed(together: Shown, turned: bool, generator: np.random.Generator) -> Shown:
-    if len(together) <= 2:
-        return together[::-1] if turned else together
-    return tuple(together[i] for i in generator.permutation(len(together)))

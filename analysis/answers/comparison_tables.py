@@ -8,7 +8,7 @@ import pandas as pd
 from algorithms.errors import InputError
 from analysis.answers.trials import KEPT, check_responses
 from experiments.answers import accepted_answers, is_possible
-from experiments.study import Study, Task
+from experiments.study import Study, Task, chosen
 from experiments.trials import Answer, Trial
 from stimuli.manifest import StimulusSet
 
@@ -100,7 +100,7 @@ def item_names(study: Study, stimuli: StimulusSet) -> list[str]:
     item = study.stimuli.item
     if item is None:
         raise InputError(f"stimuli.item: the study {study.name} names no items to compare")
-    return list(dict.fromkeys(str(s.factors[item]) for s in stimuli.with_role("main")))
+    return list(dict.fromkeys(str(s.factors[item]) for s in chosen(study, stimuli, "main")))
 
 
 def _main(responses: pd.DataFrame) -> pd.DataFrame:
@@ -117,7 +117,7 @@ def _answered(
     main = _main(responses)
     if main.empty:
         raise InputError(f"responses: nothing to analyse yet, no main trial of {study.name}")
-    factors = {stimulus.id: stimulus.factors for stimulus in stimuli.with_role("main")}
+    factors = {stimulus.id: stimulus.factors for stimulus in chosen(study, stimuli, "main")}
     shown = [tuple(each) for each in main["stimuli"]]
     answers = [_answer(value) for value in main["answer"]]
     for identifiers, answer in zip(shown, answers, strict=True):

@@ -8,7 +8,10 @@ import pandas as pd
 
 from algorithms.errors import InputError
 from experiments.responses import Event, Session
-from experiments.study import Exclusion
+from experiments.right_answers import is_right
+from experiments.study import Exclusion, Study
+from experiments.trials import Answer, Trial
+from stimuli.manifest import StimulusSet
 
 Who = Literal["people", "simulated"]
 
@@ -116,13 +119,50 @@ def catch_trials(table: pd.DataFrame, rule: Exclusion) -> "pd.Series[bool]":
     """
     if rule.catch_level is not None:
         return (table["level"] >= rule.catch_level) & table["target"].notna()
-    if rule.least_catch_share is not None:
+    if rule.least_catch_share is not None and "catch" in table:
         return table["catch"].astype(bool)
     return pd.Series(data=False, index=table.index)
 
 
+def catch_answers(
+    responses: pd.DataFrame, study: Study, stimuli: StimulusSet
+) -> pd.DataFrame | None:
+    """Return the answers to the catch trials that a study's `catch` adds, or None without it.
+
+    Parameters
+    ----------
+    responses
+        Rows with the columns of `experiments.responses.Response`.
+    study, stimuli
+        What was run.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row a catch trial: `session`, `participant`, and `correct` (no answer is none).
+    """
+    if study.catch is None:
+        return None
+    caught = responses[responses["phase"] == "catch"]
+    correct = [
+        bool(is_right(study, stimuli, Trial(0, "catch", tuple(shown)), _tuple_or_number(answer)))
+        for shown, answer in zip(caught["stimuli"], caught["answer"], strict=True)
+    ]
+    return caught[["session", "participant"]].assign(correct=correct)
+
+
+def _tuple_or_number(answer: object) -> Answer:
+    if isinstance(answer, list | tuple):
+        return tuple(int(rank) for rank in answer)
+    return None if pd.isna(answer) else int(answer)  # type: ignore[call-overload]
+
+
 def apply_rule(
-    rule: Exclusion, sessions: Sequence[Session], table: pd.DataFrame, events: Sequence[Event] = ()
+    rule: Exclusion,
+    sessions: Sequence[Session],
+    table: pd.DataFrame,
+    events: Sequence[Event] = (),
+    caught: pd.DataFrame | None = None,
 ) -> tuple[Excluded, ...]:
     """Return who is left out by a rule declared before the first answer.
 
@@ -136,10 +176,12 @@ def apply_rule(
         Their answers (`analysis.trial_table`).
     events
         What happened to the sessions: a withdrawal or a researcher's exclusion ends them.
+    caught
+        The answers to catch trials that are not in the table (`catch_answers`).
     """
     ended = {e.session: _ENDING_EVENTS[e.kind] for e in events if e.kind in _ENDING_EVENTS}
     answered = set(table["session"])
-    by_answers = _by_answers(rule, table, "session")
+    by_answers = _by_answers(rule, table, "session", caught)
     excluded = []
     for one in sessions:
         if one.id in ended:
@@ -240,21 +282,23 @@ def _check_columns(table: pd.DataFrame, rule: Exclusion) -> None:
         raise InputError("table: nothing to analyse, there is no answer")
 
 
-def _by_answers(rule: Exclusion, table: pd.DataFrame, by: str) -> dict[str, str]:
+def _by_answers(
+    rule: Exclusion, table: pd.DataFrame, by: str, caught: pd.DataFrame | None = None
+) -> dict[str, str]:
     """Return whom the rule leaves out for their answers, with the first reason that holds."""
     reasons: dict[str, str] = {}
-    for broken, reason in _broken(rule, table, by):
+    for broken, reason in _broken(rule, table, by, caught):
         for who in broken.index[broken]:
             reasons.setdefault(str(who), reason)
     return reasons
 
 
 def _broken(
-    rule: Exclusion, table: pd.DataFrame, by: str
+    rule: Exclusion, table: pd.DataFrame, by: str, caught: pd.DataFrame | None
 ) -> Iterator[tuple["pd.Series[bool]", str]]:
     """Yield for each part of a rule who breaks it, and how that is called."""
     if rule.least_catch_share is not None:
-        catch = table[catch_trials(table, rule)]
+        catch = table[catch_trials(table, rule)] if caught is None else caught
         right = catch["correct"].astype("boolean").fillna(value=False).astype(float)
         share = right.groupby(catch[by]).mean()
         least = rule.least_catch_share

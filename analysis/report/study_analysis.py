@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, ClassVar, Final, Protocol, cast
 import pandas as pd
 
 from algorithms.errors import InputError
-from analysis.answers.exclusions import Flow, Who, apply_rule, catch_trials, select_sessions
+from analysis.answers.exclusions import (
+    Flow,
+    Who,
+    apply_rule,
+    catch_answers,
+    catch_trials,
+    select_sessions,
+)
 from analysis.estimates import software_version
 from experiments.responses import Event, Response, Session, responses_frame
 from experiments.study import Study, Task
@@ -182,7 +189,8 @@ def analyse_study(
     ids = {one.id for one in chosen}
     answers = responses_frame([each for each in responses if each.session in ids])
     table = task.trials(answers, study, stimuli)
-    excluded = apply_rule(study.exclusion, chosen, table, events)
+    caught = catch_answers(answers, study, stimuli)
+    excluded = apply_rule(study.exclusion, chosen, table, events, caught)
     gone = {one.participant for one in excluded}
     counted = ~table["participant"].isin(gone) & ~catch_trials(table, study.exclusion)
     kept = table[counted].reset_index(drop=True)

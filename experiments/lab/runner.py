@@ -19,6 +19,7 @@ from experiments.lab.task_view import TaskView
 from experiments.lab.tasks import view_of
 from experiments.lab.window import LabWindow, WindowSettings
 from experiments.responses import Session
+from experiments.right_answers import right_answer
 from experiments.store import NewSession, Store, check_participant
 from experiments.study import Study, check_stimuli
 from experiments.trials import Answer, Assignment, Trial, next_trial, planned_trials
@@ -201,7 +202,7 @@ class _Run:
         surround = prepare_surround(self.window, self.study.question)
         before: Trial | None = None
         while (trial := self._next_trial(answers)) is not None:
-            if before is not None and (before.phase, trial.phase) == ("practice", "main"):
+            if before is not None and before.phase == "practice" != trial.phase:
                 self._show_or_pause(pages.main_page(len(self._planned()) - trial.index))
             outcome = self._present(trial, surround)
             self._record(trial, outcome)
@@ -264,7 +265,7 @@ class _Run:
         self.files.add(response)
 
     def _give_feedback(self, trial: Trial, answer: Answer) -> None:
-        right = self.stimuli[trial.stimuli[0]].answer
-        if isinstance(right, int):
+        right = right_answer(self.study, self.stimuli, trial)
+        if right is not None:
             marked, name = self.view.mark(trial, right)
             pages.show_feedback(self.window, trial, marked, answer == right, name)

@@ -9,6 +9,7 @@ from fastapi.responses import JSONResponse
 from experiments.answers import response_in
 from experiments.demographics import check_demographics
 from experiments.responses import Session, response_id
+from experiments.right_answers import right_answer
 from experiments.store import NewSession
 from experiments.trials import Answer, Trial
 from experiments.web.errors import ApiError
@@ -167,9 +168,10 @@ def _trial(here: Service, session: Session, trial: Trial) -> dict[str, Any]:
     shown = [here.stimuli[identifier] for identifier in trial.stimuli]
     return {
         "index": trial.index,
-        "phase": trial.phase,
+        # Who knows which trials only test their attention pays it to those alone.
+        "phase": "main" if trial.phase == "catch" else trial.phase,
         "pictures": [_picture(here, session, stimulus) for stimulus in shown],
-        "feedback": trial.feedback,
+        "feedback": trial.feedback and right_answer(here.study, here.stimuli, trial) is not None,
     }
 
 
@@ -187,7 +189,7 @@ def _picture(here: Service, session: Session, stimulus: Stimulus) -> dict[str, A
 
 
 def _feedback(here: Service, trial: Trial, answer: Answer) -> dict[str, Any] | None:
-    truth = here.stimuli[trial.stimuli[0]].answer
-    if not trial.feedback or truth is None:
+    right = right_answer(here.study, here.stimuli, trial)
+    if not trial.feedback or right is None:
         return None
-    return {"correct": answer == truth, "answer": truth}
+    return {"correct": answer == right, "answer": right}
