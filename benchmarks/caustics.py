@@ -34,6 +34,7 @@ BODY = (
     *((172, 110), (176, 150), (190, 195), (205, 232), (225, 262), (262, 281)),
     *((300, 285), (340, 270), (365, 240), (385, 200), (400, 160), (408, 110)),
 )
+HANDLE = ((205, 232), (198, 270), (196, 296), (208, 309), (225, 305), (232, 285), (262, 260))
 SHADOW = ((90, 290), (190, 270), (260, 370), (160, 380))
 QUAD = ((400, 150), (560, 120), (590, 330), (395, 300))
 ROUNDS = 3
@@ -57,7 +58,7 @@ def scene(megapixels: float) -> Scene:
     factor = np.sqrt(megapixels * 1e6 / (picture.shape[0] * picture.shape[1]))
     shape = tuple(round(extent * factor) for extent in picture.shape[:2])
     large = resize(picture.astype(np.float32) / 255, shape, order=1)
-    mask = _polygon(BODY, factor, shape)
+    mask = _polygon(BODY, factor, shape) | _polygon(HANDLE, factor, shape)
     x, y, half_width, half_height = np.array(RIM) * factor
     mask[draw.ellipse(y, x, half_height, half_width, shape)] = True
     return Scene(
