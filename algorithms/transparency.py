@@ -34,6 +34,7 @@ _LEVELS: Final = 6
 _DARKEST: Final = 1e-6
 _SHADING, _HIGHLIGHT = 1.5, 2.5  # of the median luminance: what cannot, and must be a highlight
 _ENVIRONMENT_PX: Final = 48
+_LAMPS: Final = 0.95  # of the pixels are darker
 
 
 @dataclass(frozen=True)
@@ -265,7 +266,9 @@ def _reflection(behind: FloatImage, body: Body, glass: Glass) -> tuple[Plane, Fl
     height, width = behind.shape[:2]
     factor = min(1.0, _ENVIRONMENT_PX / max(height, width))
     shape = tuple(max(1, round(extent * factor)) for extent in (height, width))
-    small = ndimage.gaussian_filter(resize(behind, shape, anti_aliasing=True), (1, 1, 0))
+    # A lamp is small: spread over its neighbours it would whiten them all.
+    dimmed = np.minimum(behind, np.quantile(behind, _LAMPS, axis=(0, 1)))
+    small = ndimage.gaussian_filter(resize(dimmed, shape, anti_aliasing=True), (1, 1, 0))
     mirror = 2 * cosine[..., None] * body.front_normals
     rows = (1 - mirror[..., 1]) / 2 * (shape[0] - 1)
     columns = (1 + mirror[..., 0]) / 2 * (shape[1] - 1)

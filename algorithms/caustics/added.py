@@ -17,7 +17,7 @@ from algorithms.projection import Plane, project_map
 _EDGE_PX: Final = 0.7
 _TEXTURE_SPACE: Final = 1 / 16
 _TEXTURE_RANGE: Final = 0.3  # of the logarithm of luminance
-_DARK: Final = 0.02  # of the mean: less luminance has no colour of its own
+_DARK: Final = 0.1  # of the mean: less luminance has hardly a colour of its own
 
 
 def add_caustics(
@@ -87,15 +87,17 @@ def _reflected(
 ) -> FloatImage:
     """Return what a surface reflects of light that is relative to its mean luminance."""
     own = luminance(surface).astype(np.float32)
-    mean = np.float32(np.average(own, weights=covered))
-    dark = np.float32(_DARK) * mean
+    colour = np.average(surface, axis=(0, 1), weights=covered)
+    mean = np.float32(luminance(colour))
     added = mean * light
     if texture > 0 and mean > 0:
-        added *= _texture_of(np.maximum(own, dark), covered > 0) ** np.float32(texture)
-    # Of all surfaces of a luminance this has the image's chromaticity; where it is dark, and its
-    # chromaticity mostly noise, that of the light.
-    added /= np.maximum(own + dark, np.finfo(np.float32).tiny)
-    return (surface + dark) * (added[..., None] * tint)
+        dimmest = np.float32(_DARK) * mean
+        added *= _texture_of(np.maximum(own, dimmest), covered > 0) ** np.float32(texture)
+    # The light takes the surface's chromaticity; where it is so dark that this is mostly noise,
+    # that of the whole quadrilateral.
+    added /= np.maximum(own + np.float32(_DARK) * mean, np.finfo(np.float32).tiny)
+    pure = surface + np.float32(_DARK) * colour.astype(np.float32)
+    return np.asarray(pure * (added[..., None] * tint))
 
 
 def _texture_of(own: Plane, inside: NDArray[np.bool_]) -> Plane:
