@@ -290,8 +290,14 @@ def _simulate_comparisons(
 
 def _verified(study: Study, folder: Path) -> StimulusSet:
     """Load a stimulus set that fits a study and whose files are what they were made to be."""
-    stimuli = load_stimuli(folder)
-    check_stimuli(study, stimuli)
+    try:
+        stimuli = load_stimuli(folder)
+        check_stimuli(study, stimuli)
+    except InputError as error:
+        if not study.stimuli.made_by:
+            raise
+        made_by = study.stimuli.made_by
+        raise InputError(f"{error}; the images of {study.name} are made by: {made_by}") from error
     stimuli.verify()
     return stimuli
 

@@ -200,6 +200,7 @@ def _sets(study: Study, stimuli: Sequence[Stimulus]) -> list[Shown]:
     return [
         tuple(stimulus.id for stimulus in group.values())
         for group in comparisons(study, stimuli).values()
+        if len(group) > 1
     ]
 
 

@@ -27,7 +27,7 @@ from experiments.study_parts import (
     Text,
     Timing,
 )
-from stimuli.manifest import Role, Stimulus, StimulusSet, first_fault
+from stimuli.manifest import Factor, Role, Stimulus, StimulusSet, first_fault
 
 __all__ = ["READY_MADE", "Exclusion", "Study", "Task", "check_stimuli", "chosen", "load_study"]
 
@@ -40,7 +40,7 @@ _DESIGN_OF_TASK: dict[Task, str] = {
 }
 # Keys and parts that came after the first studies were run.
 _LATER_KEYS = {
-    "stimuli": ("item", "within", "only"),
+    "stimuli": ("made_by", "item", "within", "only"),
     "design": ("one_of_each", "distinct", "blocks"),
     "practice": ("best_first",),
     "timing": ("image_s", "mask_s"),
@@ -215,6 +215,10 @@ def check_stimuli(study: Study, stimuli: StimulusSet) -> None:
     ):
         for name in names:
             _require(name in factors, f"stimuli.{key}", name, f"the factors {', '.join(factors)}")
+    for name, levels in study.stimuli.only.items():
+        there = {each.factors[name] for each in stimuli.with_role("main")}
+        for level in levels:
+            _require(level in there, f"stimuli.only.{name}", level, _listed(there))
     for key in ("one_of_each", "distinct", "blocks"):
         name = getattr(study.design, key)
         if name is not None:
@@ -229,6 +233,10 @@ def check_stimuli(study: Study, stimuli: StimulusSet) -> None:
     )
     if study.task == "odd-one-out":
         _check_regions(study, stimuli)
+
+
+def _listed(levels: set[Factor]) -> str:
+    return ", ".join(sorted(map(str, levels)))
 
 
 def chosen(study: Study, stimuli: StimulusSet, role: Role) -> tuple[Stimulus, ...]:

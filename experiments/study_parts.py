@@ -28,6 +28,8 @@ class Stimuli(Part):
     ----------
     set
         The name of the stimulus set (`trompe stimuli make SET DIR` makes it).
+    made_by
+        The command that makes the images, for who has not got them yet.
     choices
         How many objects a participant can choose among in `odd-one-out`; chance is 1 / choices.
     item
@@ -48,6 +50,7 @@ class Stimuli(Part):
     """
 
     set: Name
+    made_by: str = ""
     choices: int | None = Field(default=None, ge=2, le=9)
     item: str | None = None
     within: tuple[str, ...] = ()

@@ -206,7 +206,7 @@ def test_rules_that_do_not_fit_are_refused(
         ({"design": {"kind": "pairs", "seed": 1, "blocks": "colour"}}, "design.blocks: the study"),
         (
             {"stimuli": {"set": "divergence", "item": "placement", "only": {"material": ["x"]}}},
-            "stimuli.only: no main stimulus",
+            "stimuli.only.material: the study says x",
         ),
         (
             {"stimuli": {"set": "divergence", "item": "placement", "only": {"x": [1]}}},
