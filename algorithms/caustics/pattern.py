@@ -31,7 +31,7 @@ def caustic_map(
     mask: ArrayLike,
     directions: int | Sequence[int] = MAX_DIRECTIONS,
     *,
-    sharpness: float = 2.0,
+    sharpness: float = 3.0,
 ) -> Plane:
     """Return the pattern of light that an object would cast.
 

@@ -79,8 +79,8 @@ class Caustics:
     """
 
     directions: tuple[int, ...] = (1, 20)
-    strengths: tuple[float, ...] = (1.0, 1.5)
-    sharpness: float = 2.0
+    strengths: tuple[float, ...] = (1.5, 2.5)
+    sharpness: float = 3.0
     colour: tuple[float, float, float] = (1.0, 1.0, 1.0)
     texture: float = 1.0
 
@@ -100,14 +100,14 @@ def _pair(directions: int) -> Caustics:
 PRESETS: Final[Mapping[str, Caustics]] = MappingProxyType(
     {
         "mill": _pair(20),
-        "can": Caustics((2,), (2.5,)),
-        "horse": Caustics((4,), (2.5,)),
-        "elephant": Caustics((20,), (2.5,)),
+        "can": Caustics((2,), (4.0,)),
+        "horse": Caustics((4,), (4.0,)),
+        "elephant": Caustics((20,), (4.0,)),
         "vase": _pair(12),
         "doll": _pair(12),
         "car": _pair(12),
         "phone": _pair(4),
-        "sphere": Caustics((1,), (2.5,)),
+        "sphere": Caustics((1,), (4.0,)),
         "skull": _pair(20),
         "vertebrae": _pair(20),
         "dolphin": _pair(20),
