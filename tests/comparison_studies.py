@@ -29,12 +29,17 @@ def comparison_study(study: Study, task: Task, **design: Any) -> Study:  # noqa:
 
 def as_toml(study: Study) -> str:
     """Write a study as TOML: its keys at the top first, then its tables."""
-    content = {k: v for k, v in study.model_dump(mode="json").items() if v is not None}
-    flat = [f"{k} = {json.dumps(v)}" for k, v in content.items() if not isinstance(v, dict)]
+    content = study.model_dump(mode="json", exclude_none=True)
+    flat = [f"{k} = {_value(v)}" for k, v in content.items() if not isinstance(v, dict)]
     tables = [
-        f"[{name}]\n"
-        + "\n".join(f"{k} = {json.dumps(v)}" for k, v in table.items() if v is not None)
+        f"[{name}]\n" + "\n".join(f"{k} = {_value(v)}" for k, v in table.items())
         for name, table in content.items()
         if isinstance(table, dict)
     ]
     return "\n".join([*flat, *tables]) + "\n"
+
+
+def _value(value: object) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key} = {_value(part)}" for key, part in value.items()) + "}"
+    return json.dumps(value)

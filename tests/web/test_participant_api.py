@@ -8,6 +8,7 @@ from experiments.study import Study
 from experiments.trials import Assignment, planned_trials
 from experiments.web import create_app, running_server
 from stimuli.manifest import StimulusSet
+from tests.comparison_studies import comparison_study
 from tests.drawn_set import draw_set
 from tests.web.visitor import SAID, STUDY, Visitor, consent
 
@@ -51,6 +52,24 @@ def test_the_example_is_shown_with_its_answer_and_is_no_trial(
     assert (
         sum(length for _, length in regions["runs"]) == regions["width_px"] * regions["height_px"]
     )
+
+
+def test_nothing_tells_which_trials_test_attention(
+    study: Study, drawn_set: StimulusSet, store: Store
+) -> None:
+    compared = comparison_study(study, "two-alternative")
+    catch = {"better": "front", "worse": "back", "trials": 5}
+    caught = changed(compared, catch=catch, exclusion={"least_catch_share": 0.8})
+    with (
+        running_server(create_app(caught, drawn_set, store)) as url,
+        httpx.Client(base_url=url) as client,
+    ):
+        begun = client.post("/api/studies/two-alternative/sessions", json=consent()).json()
+        headers = {"Authorization": f"Bearer {begun['token']}"}
+        told = client.get(f"/api/sessions/{begun['session']}", headers=headers).json()["trials"]
+    assert {trial["phase"] for trial in told} == {"main"}
+    assert len(told) == 65
+    assert all(set(trial) == set(told[0]) for trial in told)
 
 
 def test_another_study_is_not_found(client: httpx.Client) -> None:
