@@ -24,9 +24,10 @@ def cells_of(study: Study) -> list[tuple[Role, Cell]]:
     """Return the role and the factors of every image of a ready-made study's set."""
     match study.stimuli.set:
         case "fog-methods":
-            methods = ("rendered", "ours", *(f"artist-{number}" for number in range(1, 5)))
-            return [("main", {"scene": "lane", "method": method}) for method in methods]
-        case "caustics-methods":
+            scenes, methods = ("lane", "motorcycle"), tuple(f"fog-{n}" for n in range(6))
+            compared = _cells("main", scene=scenes, method=methods, preset=("as-compared",))
+            return [*compared, *_cells("main", scene=scenes, method=("a",), preset=("other",))]
+        case "caustics":
             return [
                 *_cells("main", object=OBJECTS, light_deg=LIGHTS_DEG, method=METHODS),
                 *_cells("practice", object=("doll",), light_deg=(60,), method=METHODS),

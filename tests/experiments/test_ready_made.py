@@ -63,7 +63,7 @@ def test_simulated_observers_take_it(name: str, drawn: StimulusSet, store: Store
         rows = simulate_responses(study, drawn, Observer(25, 30), 2, generator)
         assert len(rows) == 2 * trials
         return
-    items = {str(s.factors["method"]) for s in drawn.stimuli}
+    items = {str(stimulus.factors["method"]) for stimulus in drawn.stimuli}
     simulate_comparisons(study, drawn, store, ItemObserver(dict.fromkeys(items, 0.0)), 2, generator)
     assert len(store.responses()) == 2 * trials
 
