@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 import typer
@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from algorithms.errors import InputError
-from algorithms.files import write_atomically
+from experiments import store_cli
 from experiments.study import Study, check_stimuli, load_study
 from experiments.template import write_template
 from experiments.trials import Assignment, planned_trials
@@ -24,6 +24,8 @@ from stimuli.manifest import load as load_stimuli
 # start at once.
 
 app = typer.Typer(no_args_is_help=True, help="Write, check, run and export studies.")
+for _command in store_cli.COMMANDS:
+    app.command()(_command)
 
 StudyFile = Annotated[
     str, typer.Argument(metavar="STUDY", help="A TOML file or a ready-made name.")
@@ -34,9 +36,6 @@ Data = Annotated[
     typer.Option(
         help="The response store: a SQLite file, made if missing, or a postgresql:// URL."
     ),
-]
-Stored = Annotated[
-    str, typer.Argument(metavar="DATA", help="The response store, a SQLite file or a URL.")
 ]
 Host = Annotated[str, typer.Option(help="The address to serve at.")]
 Port = Annotated[int, typer.Option(min=0, max=65535, help="0 takes any free one.")]
@@ -177,42 +176,6 @@ def simulate(
             on_completed=lambda _: bar.advance(bar.task_ids[0]),
         )
     _print_facts({"simulated_sessions": len(sessions), "seed": seed}, as_json)
-
-
-@app.command()
-def export(
-    data: Stored,
-    table: Annotated[
-        Literal["responses", "sessions", "events"], typer.Option(help="Which of its tables.")
-    ] = "responses",
-    study: Annotated[str | None, typer.Option(help="Only the study of this name.")] = None,
-    form: Annotated[Literal["csv", "json"], typer.Option("--format")] = "csv",
-    output: Annotated[Path | None, typer.Option(help="A file instead of the terminal.")] = None,
-) -> None:
-    """Write the answers, sessions or events of a store as CSV or JSON."""
-    from experiments.export import table_text
-    from experiments.store import Store
-
-    with Store.open(data, must_exist=True) as store:
-        text = table_text(store, table, study, form)
-    if output is None:
-        typer.echo(text, nl=False)
-        return
-    if output.resolve() == Path(data).resolve():
-        raise InputError(f"output: {output} is the store itself")
-    write_atomically(output, text.encode())
-
-
-@app.command()
-def bundle(
-    data: Stored,
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="New or empty.")],
-    study: Annotated[str | None, typer.Option(help="If the store holds several.")] = None,
-) -> None:
-    """Write a study with all its answers as a folder that `trompe analyse` takes anywhere."""
-    from experiments.collection import load_collection, write_bundle
-
-    typer.echo(f"wrote {write_bundle(load_collection(data, study), folder)}")
 
 
 @app.command("run-lab")

@@ -1,13 +1,16 @@
 """Opening the database of a response store: SQLite or PostgreSQL, made or brought up to date."""
 
+import sqlite3
+import tempfile
+from contextlib import closing
 from pathlib import Path
-from sqlite3 import Connection as SqliteConnection
 from typing import Final
 
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection, Engine, make_url
 
 from algorithms.errors import InputError
+from algorithms.files import make_folder
 
 SCHEMA: Final = "2"
 """The newest revision in `experiments.migrations`."""
@@ -69,6 +72,39 @@ def take_turns(connection: Connection) -> None:
         connection.execute(_WRITER_LOCK)
 
 
+def back_up(path_or_url: str | Path, copy: Path) -> None:
+    """Copy a SQLite store to a file, as it is at one moment, while others go on writing to it.
+
+    Parameters
+    ----------
+    path_or_url
+        The store.
+    copy
+        Where the copy goes; it appears there only once it is whole.
+
+    Raises
+    ------
+    InputError
+        If the store is not a SQLite file that is there, or the copy is already there or cannot be
+        written.
+    """
+    url = _url_of(path_or_url)
+    if not is_sqlite(url):
+        raise InputError("store: a SQLite file accepted; PostgreSQL has pg_dump for this")
+    if copy.exists():
+        raise InputError(f"{copy}: is already there")
+    open_database(path_or_url, must_exist=True).dispose()
+    with tempfile.TemporaryDirectory(dir=make_folder(copy.parent), prefix=".backup-") as folder:
+        whole = Path(folder) / "copy"
+        with (
+            closing(sqlite3.connect(url.database or "")) as source,
+            closing(sqlite3.connect(whole)) as target,
+        ):
+            source.backup(target)
+            target.execute("PRAGMA journal_mode=DELETE")  # one file, nothing beside it
+        whole.replace(copy)
+
+
 def _url_of(path_or_url: str | Path) -> sa.URL:
     text = str(path_or_url)
     if "://" not in text:
@@ -94,7 +130,7 @@ def _engine(url: sa.URL) -> Engine:
     return sa.create_engine(url, pool_pre_ping=True, connect_args=durable)
 
 
-def _on_sqlite_connect(connection: SqliteConnection, _: object) -> None:
+def _on_sqlite_connect(connection: sqlite3.Connection, _: object) -> None:
     # The driver's own transactions would begin late; ours begin with the first statement.
     connection.isolation_level = None
     cursor = connection.cursor()

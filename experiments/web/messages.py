@@ -2,9 +2,10 @@
 
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator
 
 from experiments.answers import Measurement
+from experiments.participation import RESERVED_KINDS
 from experiments.responses import Input
 from experiments.trials import Answer
 
@@ -71,3 +72,16 @@ class EventMessage(_Message):
 
     kind: Word
     detail: Facts = Field(default_factory=dict)
+
+    @field_validator("kind")
+    @classmethod
+    def _not_the_researchers(cls, kind: str) -> str:
+        if kind in RESERVED_KINDS:
+            raise ValueError(f"{kind!r} is for the researcher to say")
+        return kind
+
+
+class ExclusionMessage(_Message):
+    """Why a session is left out of the analysis."""
+
+    reason: Annotated[str, StringConstraints(min_length=1, max_length=500)]

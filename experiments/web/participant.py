@@ -8,6 +8,7 @@ from fastapi.responses import JSONResponse
 
 from experiments.answers import response_in
 from experiments.demographics import check_demographics
+from experiments.participation import withdraw_session
 from experiments.responses import Session, response_id
 from experiments.right_answers import right_answer
 from experiments.store import NewSession
@@ -133,9 +134,15 @@ async def record_answer(here: Here, own: KnownSession, message: AnswerMessage) -
 
 
 @router.post("/sessions/{session}/events", status_code=204)
-def record_event(here: Here, own: KnownSession, message: EventMessage) -> None:
+def record_event(here: Here, own: OwnSession, message: EventMessage) -> None:
     """Store something that happened besides answers."""
     here.store.add_event(own.id, message.kind, message.detail)
+
+
+@router.post("/sessions/{session}/withdrawal", status_code=204)
+def withdraw(here: Here, own: OwnSession) -> None:
+    """Erase everything that the participant has left."""
+    withdraw_session(here.store, own.id)
 
 
 @router.post("/sessions/{session}/complete")

@@ -1,0 +1,101 @@
+"""The commands of `trompe study` for what a store holds."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from algorithms.errors import InputError
+from algorithms.files import write_atomically
+
+Stored = Annotated[
+    str, typer.Argument(metavar="DATA", help="The response store, a SQLite file or a URL.")
+]
+OneStudy = Annotated[str | None, typer.Option("--study", help="If the store holds several.")]
+NewFolder = Annotated[Path, typer.Argument(metavar="DIR", help="New or empty.")]
+SessionId = Annotated[str, typer.Argument(metavar="SESSION", help="The id of the session.")]
+
+
+def export(
+    data: Stored,
+    table: Annotated[
+        Literal["responses", "sessions", "events"], typer.Option(help="Which of its tables.")
+    ] = "responses",
+    study: Annotated[str | None, typer.Option(help="Only the study of this name.")] = None,
+    form: Annotated[
+        Literal["csv", "json", "parquet", "psychopy", "psych-ds"],
+        typer.Option(
+            "--format",
+            help="psychopy: one wide CSV of a study; psych-ds: a folder of a study to publish.",
+        ),
+    ] = "csv",
+    output: Annotated[Path | None, typer.Option(help="A file instead of the terminal.")] = None,
+) -> None:
+    """Write the answers, sessions or events of a store as a table, or a study for others."""
+    from experiments.collection import load_collection
+    from experiments.export import csv_bytes, table_bytes
+    from experiments.psych_ds import wide_table, write_psych_ds
+    from experiments.store import Store
+
+    if output is None and form in ("parquet", "psych-ds"):
+        raise InputError(f"output: missing; --format {form} needs it")
+    if output is not None and output.resolve() == Path(data).resolve():
+        raise InputError(f"output: {output} is the store itself")
+    if form == "psych-ds":
+        assert output is not None
+        typer.echo(f"wrote {write_psych_ds(load_collection(data, study), output)}")
+        return
+    if form == "psychopy":
+        content = csv_bytes(*wide_table(load_collection(data, study)))
+    else:
+        with Store.open(data, must_exist=True) as store:
+            content = table_bytes(store, table, study, form)
+    if output is None:
+        typer.echo(content.decode(), nl=False)
+    else:
+        write_atomically(output, content)
+
+
+def bundle(data: Stored, folder: NewFolder, study: OneStudy = None) -> None:
+    """Write a study with all its answers as a folder that `trompe analyse` takes anywhere."""
+    from experiments.collection import load_collection, write_bundle
+
+    typer.echo(f"wrote {write_bundle(load_collection(data, study), folder)}")
+
+
+def exclude(
+    data: Stored,
+    session: SessionId,
+    reason: Annotated[str, typer.Option(help="Why; it is published with the results.")],
+) -> None:
+    """Leave a session out of the analysis; nothing of it is deleted."""
+    from experiments.participation import exclude_session
+    from experiments.store import Store
+
+    with Store.open(data, must_exist=True) as store:
+        exclude_session(store, session, reason)
+    typer.echo(f"session {session}: excluded")
+
+
+def withdraw(data: Stored, session: SessionId) -> None:
+    """Erase the answers of a participant who withdraws; that there was a session stays."""
+    from experiments.participation import withdraw_session
+    from experiments.store import Store
+
+    with Store.open(data, must_exist=True) as store:
+        withdraw_session(store, session)
+    typer.echo(f"session {session}: withdrawn, its answers are erased")
+
+
+def backup(
+    data: Stored,
+    output: Annotated[Path, typer.Argument(metavar="FILE", help="Must not be there yet.")],
+) -> None:
+    """Copy a SQLite store to a file while servers go on writing to it."""
+    from experiments.database import back_up
+
+    back_up(data, output)
+    typer.echo(f"wrote {output}")
+
+
+COMMANDS = (export, bundle, exclude, withdraw, backup)
