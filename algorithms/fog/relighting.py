@@ -88,10 +88,15 @@ def tones_of(image: NDArray[np.floating[Any]], fog: Fog) -> Tones:
     white = white_level(image)
     lowest = float(np.percentile(values, _LOWEST_HIGHLIGHT_PERCENTILE))
     highlight = max(highlight_threshold(values), lowest)
-    airlight = (
-        sample.mean(axis=(0, 1)) if fog.airlight is None else np.multiply(fog.airlight, white)
-    )
+    airlight = _mean_light(sample) if fog.airlight is None else np.multiply(fog.airlight, white)
     return Tones(white, highlight, np.asarray(airlight, dtype=np.float32))
+
+
+def _mean_light(pixels: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
+    """Return the mean of a picture, paler: half of its colour is that of surfaces, not of light."""
+    mean = pixels.mean(axis=(0, 1), dtype=np.float64)
+    grey = float(luminance(mean))
+    return np.asarray(grey + _LIGHT_SATURATION * (mean - grey))
 
 
 def relit(pixels: Plane, opacity: Plane, tones: Tones, fog: Fog) -> Plane:

@@ -246,6 +246,13 @@ def test_presets_are_those_of_the_table() -> None:
     assert sum(weights @ (fog.airlight or ()) for fog in presets) == pytest.approx(2.585)
 
 
+def test_opaque_fog_has_the_mean_of_the_picture_half_as_colourful() -> None:
+    opaque = add_fog(PICTURE * (1, 0.5, 0.2), np.full(SHAPE, np.inf), PLAIN)[0, 0]
+    mean = (PICTURE * (1, 0.5, 0.2)).mean(axis=(0, 1))
+    grey = mean @ [0.2126, 0.7152, 0.0722]
+    assert_allclose(opaque, (mean + grey) / 2, rtol=1e-4)
+
+
 def test_airlight_has_its_luminance_and_hue() -> None:
     red, green, blue = airlight_colour(0.5, 0.3, 240)
     assert 0.2126 * red + 0.7152 * green + 0.0722 * blue == pytest.approx(0.5)
