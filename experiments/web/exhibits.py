@@ -3,8 +3,8 @@
 import hashlib
 import hmac
 import struct
-from collections.abc import Iterator
-from functools import lru_cache
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from algorithms.errors import InputError
 from algorithms.images import read_labels
+from experiments.web.errors import ApiError
 from stimuli.manifest import Stimulus, StimulusSet
 
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
@@ -61,15 +62,25 @@ class Exhibits:
         return self._sizes_px[stimulus.file]
 
     def image(self, stimulus: Stimulus) -> bytes:
-        """Return a stimulus' image as it is sent."""
-        return shown_png(self._stimuli.path(stimulus.file).read_bytes())
+        """Return a stimulus' image as it is sent.
+
+        Raises
+        ------
+        ApiError
+            If the file is no longer what the set's manifest says.
+        """
+        return self._content(stimulus.file)
 
     def find_image(self, session: str, opaque: str) -> bytes | None:
-        """Return the image a session knows by an id, or None."""
-        for file in self._images:
-            if _same(self._opaque(session, file), opaque):
-                return shown_png(self._stimuli.path(file).read_bytes())
-        return None
+        """Return the image a session knows by an id, or None.
+
+        Raises
+        ------
+        ApiError
+            As for `image`.
+        """
+        file = self._files_of(session).get(opaque)
+        return None if file is None else self._content(file)
 
     def find_regions(self, session: str, opaque: str) -> Path | None:
         """Return the file of the region map a session knows by an id, or None."""
@@ -77,6 +88,23 @@ class Exhibits:
             if _same(self._opaque(session, self._stimuli.files[file]), opaque):
                 return self._stimuli.path(file)
         return None
+
+    def _content(self, file: str) -> bytes:
+        # Answers name the manifest: nothing but what it says may be shown under it.
+        content = self._stimuli.path(file).read_bytes()
+        if hashlib.sha256(content).hexdigest() != self._stimuli.files[file]:
+            raise ApiError(503, "image: altered since the set was made; make it anew, and restart")
+        return shown_png(content)
+
+    @cached_property
+    def _files_of(self) -> Callable[[str], Mapping[str, str]]:
+        """The images' files by the ids under which a session knows them, kept for some sessions."""
+
+        @lru_cache(maxsize=500)
+        def files_of(session: str) -> Mapping[str, str]:
+            return {self._opaque(session, file): file for file in self._images}
+
+        return files_of
 
     def _opaque(self, session: str, key: str) -> str:
         message = f"{session}\n{key}".encode()
