@@ -73,7 +73,7 @@ class Study(Part):
     task: Task
     question: Text
     instructions: tuple[Text, ...] = ()
-    language: Literal["en"] = "en"
+    language: Literal["en", "es"] = "en"
     stimuli: Stimuli
     design: Design
     practice: Practice = Practice(trials=0)

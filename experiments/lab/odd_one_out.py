@@ -24,4 +24,4 @@ class OddOneOutView(TaskView[Picture]):
     def mark(self, trial: Trial, right: Answer) -> tuple[Sequence[Drawable], str]:
         """Prepare a trial with its right answer marked, and say which that is."""
         assert isinstance(right, int)
-        return [self.loaded[trial.stimuli[0]].outlined(right)], "it is the outlined object"
+        return [self.loaded[trial.stimuli[0]].outlined(right)], self.text("odd_one_out.right")

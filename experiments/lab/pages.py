@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from experiments.lab.geometry import Area
 from experiments.lab.inputs import KeyPress
 from experiments.lab.pictures import Picture, load_picture
+from experiments.lab.texts import text
 from experiments.lab.window import Drawable, LabWindow
 from experiments.study import Study
 from experiments.trials import Trial
@@ -47,41 +48,41 @@ class Page:
 
 def consent_page(study: Study) -> Page:
     """Return the page with the consent text."""
-    prompt = "Enter: I agree and take part        Escape: leave, and nothing is stored"
-    return Page("consent", (study.title, study.consent.text), prompt)
+    return Page("consent", (study.title, study.consent.text), text(study, "consent.prompt"))
 
 
 def instructions_page(study: Study, how_to: str, *, with_example: bool) -> Page:
     """Return the page that explains the task and how to answer, perhaps with an example below."""
-    example = ("In this example the outlined object is the one to choose.",) if with_example else ()
+    example = (text(study, "instructions.example"),) if with_example else ()
     said = (*study.instructions, how_to) if how_to else study.instructions
     paragraphs = (study.question, *said, *example)
-    return Page("instructions", paragraphs, "Enter: begin")
+    return Page("instructions", paragraphs, text(study, "begin.prompt"))
 
 
-def main_page(trials: int) -> Page:
+def main_page(study: Study, trials: int) -> Page:
     """Return the page between practice and main trials."""
     paragraphs = (
-        "The practice is over.",
-        f"{trials} images follow, without a word on whether an answer was right.",
-        "Escape: pause",
+        text(study, "main.title"),
+        text(study, "main.text", trials=trials),
+        text(study, "main.pause"),
     )
-    return Page("main", paragraphs, "Enter: begin")
+    return Page("main", paragraphs, text(study, "begin.prompt"))
 
 
-def pause_page() -> Page:
+def pause_page(study: Study) -> Page:
     """Return the page that Escape leads to during a trial."""
-    paragraphs = ("Paused.", "All answers so far are stored. The last image will be shown again.")
-    return Page("pause", paragraphs, "Enter: go on        Escape: leave")
+    paragraphs = (text(study, "pause.title"), text(study, "pause.text"))
+    return Page("pause", paragraphs, text(study, "pause.prompt"))
 
 
-def thanks_page(completion_code: str) -> Page:
+def thanks_page(study: Study, completion_code: str) -> Page:
     """Return the last page."""
-    return Page(
-        "thanks",
-        ("Thank you!", "All your answers are stored.", f"Completion code: {completion_code}"),
-        "Enter: close",
+    paragraphs = (
+        text(study, "thanks.title"),
+        text(study, "thanks.text"),
+        text(study, "thanks.code", code=completion_code),
     )
+    return Page("thanks", paragraphs, text(study, "thanks.prompt"))
 
 
 def example_picture(window: LabWindow, stimuli: StimulusSet) -> Picture | None:
@@ -108,7 +109,7 @@ def show_page(
 
 
 def show_feedback(
-    window: LabWindow, trial: Trial, marked: Sequence[Drawable], right: bool, name: str
+    window: LabWindow, trial: Trial, marked: Sequence[Drawable], told: str, prompt: str
 ) -> None:
     """Say whether an answer was right, over the stimuli in their place, until Enter is pressed.
 
@@ -118,13 +119,10 @@ def show_feedback(
         Where, and after which trial.
     marked
         The trial's stimuli with the right answer marked.
-    right
-        Whether that was the answer.
-    name
-        Which answer is the right one, in words.
+    told, prompt
+        What is said above them, and the page's last line.
     """
-    text = f"{'Right' if right else 'Not quite'}: {name}."
-    parts = (*marked, heading(window, text), footing(window, "Enter: go on"))
+    parts = (*marked, heading(window, told), footing(window, prompt))
     _wait(window, f"feedback {trial.index}", parts, ("enter",))
 
 

@@ -19,7 +19,6 @@ _TEXT = 0.026
 _TIE_MARGIN_PX = 8
 _LOOSE_RGB = (112, 112, 112)
 _STEPS = {"left": -1, "up": -1, "right": 1, "down": 1}
-_DONE = "Done (Enter)"
 
 
 @dataclass
@@ -94,13 +93,14 @@ class Board:
         """Draw captions and images into the next frame, the dragged one above the others."""
         for place, caption in enumerate(self._captions):
             self._draw_caption(place, caption)
-        order = self._order if self._drag is None else self._preview(self._drag)
+        pointer_px = self._window.pointer_px
+        order = self._order if self._drag is None else self._preview(self._drag, pointer_px)
         for place, image in enumerate(order.images):
             if self._drag is None or image != self._order.images[self._drag.source]:
                 self._pictures[image].at(self._places[place]).draw()
         if self._drag is not None:
             image = self._order.images[self._drag.source]
-            self._pictures[image].at(self._dragged_area(self._drag)).draw()
+            self._pictures[image].at(self._dragged_area(self._drag, pointer_px)).draw()
         elif self._selected is not None:
             self._frames[self._held][self._selected].draw()
 
@@ -111,7 +111,9 @@ class Board:
         elif isinstance(press, Click):
             self._take_click(press)
         elif isinstance(press, Release) and self._drag is not None:
-            self._order, self._drag = self._preview(self._drag), None
+            # The pointer may have gone on within the frame: where it was let go counts.
+            let_go_px = (press.x_px, press.y_px)
+            self._order, self._drag = self._preview(self._drag, let_go_px), None
 
     def _take_key(self, key: str) -> None:
         place = self._selected if self._selected is not None else 0
@@ -139,14 +141,14 @@ class Board:
             elif self._ties and _tie_area(self._captions[place]).holds(click.x_px, click.y_px):
                 self._order = self._order.with_tie_changed(place)
 
-    def _dragged_area(self, drag: _Drag) -> Area:
-        (x_px, y_px), place = self._window.pointer_px, self._places[drag.source]
+    def _dragged_area(self, drag: _Drag, pointer_px: tuple[int, int]) -> Area:
+        (x_px, y_px), place = pointer_px, self._places[drag.source]
         left_px, top_px = x_px - drag.grip_px[0], y_px - drag.grip_px[1]
         return Area(left_px, top_px, place.width_px, place.height_px)
 
-    def _preview(self, drag: _Drag) -> Order:
-        """Return the order that letting go of the dragged image would make."""
-        area = self._dragged_area(drag)
+    def _preview(self, drag: _Drag, pointer_px: tuple[int, int]) -> Order:
+        """Return the order that letting go of the dragged image there would make."""
+        area = self._dragged_area(drag, pointer_px)
         nearest = min(
             range(len(self._places)),
             key=lambda place: hypot(
@@ -184,16 +186,12 @@ class RankingView(PlainTaskView):
     @property
     def how_to(self) -> str:
         """How the trials are answered, for the instructions."""
-        ties = "; = makes an image as good as the one before" if self.study.answers.ties else ""
-        return (
-            "Drag the images into order with the mouse, or select one with the arrow keys and"
-            f" press the number of its place{ties}. Enter: done."
-        )
+        return self.text("ranking.how_to_ties" if self.study.answers.ties else "ranking.how_to")
 
     def present(self, trial: Trial) -> Presentation:
         """Prepare a trial, its stimuli loaded."""
         board = self._board(trial, ties=self.study.answers.ties)
-        done = Buttons(self.window, self.area, [_DONE])
+        done = Buttons(self.window, self.area, [self.text("ranking.done")])
 
         def answer_of(press: Press) -> Answer:
             clicked = isinstance(press, Click) and done.number_of(press) is not None
@@ -209,13 +207,13 @@ class RankingView(PlainTaskView):
         assert isinstance(right, tuple)
         board = self._board(trial, ties=False)
         board.show_ranks(right)
-        return [board], "this is the order"
+        return [board], self.text("ranking.right")
 
     def _board(self, trial: Trial, *, ties: bool) -> Board:
         return Board(
             self.window,
             above_buttons(self.area, self.window),
             self.pictures(trial),
-            self.study.answers.labels or ("best", "worst"),
+            self.study.answers.labels or (self.text("ranking.best"), self.text("ranking.worst")),
             ties=ties,
         )

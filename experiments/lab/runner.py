@@ -17,6 +17,7 @@ from experiments.lab.presenter import Outcome, Surround, prepare_surround, prese
 from experiments.lab.psychopy_files import PsychoPyFiles
 from experiments.lab.task_view import TaskView
 from experiments.lab.tasks import view_of
+from experiments.lab.texts import text
 from experiments.lab.window import LabWindow, WindowSettings
 from experiments.responses import Session
 from experiments.right_answers import right_answer
@@ -189,7 +190,7 @@ class _Run:
         except _Left:
             return
         code = self.store.complete(self.session.id)
-        show_page(self.window, pages.thanks_page(code))
+        show_page(self.window, pages.thanks_page(self.study, code))
 
     def _explain(self) -> None:
         chooses = self.study.task == "odd-one-out"
@@ -203,7 +204,8 @@ class _Run:
         before: Trial | None = None
         while (trial := self._next_trial(answers)) is not None:
             if before is not None and before.phase == "practice" != trial.phase:
-                self._show_or_pause(pages.main_page(len(self._planned()) - trial.index))
+                left = len(self._planned()) - trial.index
+                self._show_or_pause(pages.main_page(self.study, left))
             outcome = self._present(trial, surround)
             self._record(trial, outcome)
             answers[trial.index] = outcome.answer
@@ -231,8 +233,8 @@ class _Run:
 
     def _show_loading(self, loaded: int, total: int) -> None:
         middle = (self.window.width_px / 2, self.window.height_px / 2)
-        text = f"Loading images: {loaded} of {total}"
-        self.window.show([self.window.text(text, *middle, 0.03 * self.window.height_px)])
+        told = text(self.study, "loading", loaded=loaded, total=total)
+        self.window.show([self.window.text(told, *middle, 0.03 * self.window.height_px)])
 
     def _present(self, trial: Trial, surround: Surround) -> Outcome:
         """Present a trial, again after each pause."""
@@ -252,7 +254,7 @@ class _Run:
     def _pause(self, place: str) -> None:
         """Show the pause page; raise `_Left` if the participant leaves there."""
         self.store.add_event(self.session.id, "pause", {"at": place})
-        if show_page(self.window, pages.pause_page(), ("enter", "escape")) == "escape":
+        if show_page(self.window, pages.pause_page(self.study), ("enter", "escape")) == "escape":
             self.store.add_event(self.session.id, "leave", {"at": place})
             raise _Left
         self.store.add_event(self.session.id, "continue", {"at": place})
@@ -268,4 +270,7 @@ class _Run:
         right = right_answer(self.study, self.stimuli, trial)
         if right is not None:
             marked, name = self.view.mark(trial, right)
-            pages.show_feedback(self.window, trial, marked, answer == right, name)
+            verdict = "feedback.right" if answer == right else "feedback.wrong"
+            told = text(self.study, verdict, right=name)
+            prompt = text(self.study, "feedback.prompt")
+            pages.show_feedback(self.window, trial, marked, told, prompt)

@@ -8,6 +8,7 @@ from typing import Generic, TypeVar
 from experiments.lab.geometry import Area, Size
 from experiments.lab.pictures import OUTLINE_RGB, shown_image
 from experiments.lab.presenter import Presentation, stimulus_area
+from experiments.lab.texts import text
 from experiments.lab.window import Drawable, LabWindow, Movable
 from experiments.study import Study
 from experiments.trials import Answer, Trial
@@ -65,6 +66,10 @@ class TaskView(ABC, Generic[Loaded]):
 
     @abstractmethod
     def _load(self, stimulus: Stimulus) -> Loaded: ...
+
+    def text(self, key: str, **values: object) -> str:
+        """Return a text in the study's language."""
+        return text(self.study, key, **values)
 
     @property
     def how_to(self) -> str:

@@ -11,8 +11,8 @@ from experiments.lab.task_view import PlainPicture, PlainTaskView
 from experiments.lab.window import Drawable
 from experiments.trials import Answer, Trial
 
-SIDES = ("Left", "Right")
-TURNS = ("First", "Second")
+SIDES = ("pair.left", "pair.right_image")
+TURNS = ("pair.first", "pair.second")
 
 
 class TwoAlternativeView(PlainTaskView):
@@ -21,9 +21,7 @@ class TwoAlternativeView(PlainTaskView):
     @property
     def how_to(self) -> str:
         """How the trials are answered, for the instructions."""
-        if self.study.timing.in_turn:
-            return "Two images follow each other. Press 1 for the first or 2 for the second."
-        return "Click an image, or press 1 for the left or 2 for the right one."
+        return self.text("pair.how_to_in_turn" if self.study.timing.in_turn else "pair.how_to")
 
     def present(self, trial: Trial) -> Presentation:
         """Prepare a trial, its stimuli loaded."""
@@ -36,16 +34,19 @@ class TwoAlternativeView(PlainTaskView):
         assert isinstance(right, int)
         pictures, areas = self.pictures(trial), self._sides(trial)
         shown = [picture.at(area) for picture, area in zip(pictures, areas, strict=True)]
-        names = TURNS if self.study.timing.in_turn else SIDES
         marked = self.marked(areas[right - 1])
-        return [*shown, marked], f"the image to choose is: {names[right - 1]}"
+        return [*shown, marked], self.text("pair.right", image=self._names[right - 1])
+
+    @property
+    def _names(self) -> list[str]:
+        return [self.text(key) for key in (TURNS if self.study.timing.in_turn else SIDES)]
 
     def _sides(self, trial: Trial) -> list[Area]:
         sizes_px = [picture.size_px for picture in self.pictures(trial)]
         return fit_grid(sizes_px, above_buttons(self.area, self.window), columns=2)
 
     def _side_by_side(self, trial: Trial) -> Presentation:
-        areas, buttons = self._sides(trial), Buttons(self.window, self.area, SIDES)
+        areas, buttons = self._sides(trial), Buttons(self.window, self.area, self._names)
         pictures = [
             picture.at(area) for picture, area in zip(self.pictures(trial), areas, strict=True)
         ]
@@ -63,7 +64,7 @@ class TwoAlternativeView(PlainTaskView):
         return Presentation(scenes, answer_of)
 
     def _in_turn(self, trial: Trial) -> Presentation:
-        timing, buttons = self.study.timing, Buttons(self.window, self.area, TURNS)
+        timing, buttons = self.study.timing, Buttons(self.window, self.area, self._names)
         assert timing.image_s is not None
         assert timing.mask_s is not None
         images, masks = [], []

@@ -17,7 +17,7 @@ class YesNoView(PlainTaskView):
     @property
     def how_to(self) -> str:
         """How the trials are answered, for the instructions."""
-        return f"Press 1 for {self._labels[0]!r} or 2 for {self._labels[1]!r}."
+        return self.text("yes_no.how_to", yes=self._labels[0], no=self._labels[1])
 
     def present(self, trial: Trial) -> Presentation:
         """Prepare a trial, its stimuli loaded."""
@@ -35,11 +35,13 @@ class YesNoView(PlainTaskView):
 
     def mark(self, trial: Trial, right: Answer) -> tuple[Sequence[Drawable], str]:
         """Prepare a trial with its right answer marked, and say which that is."""
-        return self._picture(trial), f"the answer is: {self._labels[0 if right == 1 else 1]}"
+        return self._picture(trial), self.text(
+            "yes_no.right", answer=self._labels[0 if right == 1 else 1]
+        )
 
     @property
     def _labels(self) -> tuple[str, str]:
-        return self.study.answers.labels or ("Yes", "No")
+        return self.study.answers.labels or (self.text("yes_no.yes"), self.text("yes_no.no"))
 
     def _picture(self, trial: Trial) -> list[Drawable]:
         (picture,) = self.pictures(trial)

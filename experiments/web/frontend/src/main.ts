@@ -3,7 +3,7 @@
 import { initJsPsych } from "jspsych";
 import { api, type Credentials, type Session, type Study } from "./api";
 import { element } from "./dom";
-import { message } from "./messages";
+import { message, setLanguage } from "./messages";
 import { Notice } from "./notice";
 import { beginSession, findSession, findStudy, leaveIfAsked } from "./opening";
 import { type Example, showInstructions } from "./pages/instructions";
@@ -23,6 +23,7 @@ const root = element("div", { id: "page" });
 document.body.append(root);
 const notice = new Notice(document.body);
 
+setLanguage(navigator.language); // until the study says its own
 takePart(studyName(location.pathname)).catch((error: unknown) => {
   const reason = error instanceof Error ? error.message : String(error);
   showProblem(root, message("problem.unexpected", { reason }));
@@ -36,6 +37,7 @@ async function takePart(name: string): Promise<void> {
   }
   document.title = study.title;
   document.documentElement.lang = study.language;
+  setLanguage(study.language);
   leaveIfAsked(name);
   const earlier = await findSession(root, name);
   const credentials = earlier?.credentials ?? (await beginSession(root, study));

@@ -1,7 +1,8 @@
 import { beforeEach, describe, expect, it } from "vitest";
 import en from "../messages/en.json";
+import es from "../messages/es.json";
 import { describeDevice } from "../src/device";
-import { message } from "../src/messages";
+import { message, setLanguage } from "../src/messages";
 import { askDemographics } from "../src/pages/demographics";
 import { progressView } from "../src/pages/progress";
 
@@ -56,6 +57,26 @@ describe("demographics", () => {
 });
 
 describe("messages", () => {
+  it("are all there in Spanish, with the same places to fill", () => {
+    const places = (text: string) => (text.match(/\{\w+\}/g) ?? []).sort();
+    for (const [key, text] of Object.entries(en)) {
+      if (!key.startsWith("researcher.")) {
+        expect(places(es[key as keyof typeof es] ?? ""), key).toEqual(places(text));
+      }
+    }
+    expect(Object.keys(es).filter((key) => !(key in en))).toEqual([]);
+  });
+
+  it.each([
+    ["es", "Continuar"],
+    ["es-MX", "Continuar"],
+    ["xx", "Continue"],
+    ["en", "Continue"],
+  ])("are those of the language %s", (tag, text) => {
+    setLanguage(tag);
+    expect(message("demographics.continue")).toBe(text);
+  });
+
   it("refuse to be half filled", () => {
     expect(() => message("trial.main", { number: 1 })).toThrow("total");
   });
