@@ -1,21 +1,46 @@
 """How far a study has come."""
 
-from typing import Any
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from typing import Any, Final
 
+from experiments.activity import answers_by_hour, late_shares
+from experiments.participation import exclusion_reasons
 from experiments.responses import Session
 from experiments.store import Store
 from experiments.study import Study
 from experiments.trials import Assignment, planned_trials
 from stimuli.manifest import StimulusSet
 
+_DROPPED_OUT_AFTER: Final = timedelta(hours=1)
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What is known of a study's sessions besides themselves, by session."""
+
+    answered: Mapping[str, tuple[int, str]]
+    late_shares: Mapping[str, float]
+    exclusions: Mapping[str, str]
+    trials: int
+
 
 def study_progress(store: Store, study: Study, stimuli: StimulusSet) -> dict[str, Any]:
     """Return counts of sessions and answers, people apart from simulated ones and pilots.
 
-    `started` and `completed` count people's sessions that are no pilots; `answers` counts all.
+    `started`, `completed`, `dropped_out` (unfinished, and no answer for an hour), `excluded` and
+    `withdrawn` count people's sessions that are no pilots; `answers` counts all,
+    `answers_by_hour` those of people. Nothing tells what was answered.
     """
     sessions = store.sessions(study=study.name)
     answered = store.answer_counts(study.name)
+    known = _Known(
+        answered,
+        late_shares(store, study.name),
+        exclusion_reasons(store.events(study=study.name)),
+        _trial_count(study, stimuli),
+    )
     people = [session for session in sessions if not session.simulated]
     kinds = {
         "": [session for session in people if not session.pilot],
@@ -28,9 +53,13 @@ def study_progress(store: Store, study: Study, stimuli: StimulusSet) -> dict[str
         "target": study.stopping.participants,
         **{f"{kind}started": len(members) for kind, members in kinds.items()},
         **{f"{kind}completed": _completed(members) for kind, members in kinds.items()},
+        "dropped_out": sum(_dropped_out(session, answered) for session in kinds[""]),
+        "excluded": sum(session.id in known.exclusions for session in kinds[""]),
+        "withdrawn": sum(session.withdrawn_at is not None for session in kinds[""]),
+        "answers_by_hour": answers_by_hour(store, study.name),
         "answers": sum(count for count, _ in answered.values()),
         "last_answer_at": max((last for _, last in answered.values()), default=None),
-        "sessions": _rows(sessions, answered, _trial_count(study, stimuli)),
+        "sessions": _rows(sessions, known),
     }
 
 
@@ -42,16 +71,25 @@ def _trial_count(study: Study, stimuli: StimulusSet) -> int:
     return len(planned_trials(study, stimuli, Assignment(participant_number=1)))
 
 
-def _rows(
-    sessions: list[Session], answered: dict[str, tuple[int, str]], trial_count: int
-) -> list[dict[str, Any]]:
+def _dropped_out(session: Session, answered: Mapping[str, tuple[int, str]]) -> bool:
+    if session.completed_at is not None or session.withdrawn_at is not None:
+        return False
+    _, last = answered.get(session.id, (0, session.started_at))
+    return datetime.now(UTC) - datetime.fromisoformat(last) > _DROPPED_OUT_AFTER
+
+
+def _rows(sessions: Iterable[Session], known: _Known) -> list[dict[str, Any]]:
     return [
         {
+            "session": session.id,
             "participant": session.participant,
             "started_at": session.started_at,
-            "answers": answered.get(session.id, (0, ""))[0],
-            "of": trial_count,
+            "answers": known.answered.get(session.id, (0, ""))[0],
+            "of": known.trials,
+            "late_share": known.late_shares.get(session.id),
             "completed_at": session.completed_at,
+            "withdrawn_at": session.withdrawn_at,
+            "exclusion": known.exclusions.get(session.id),
             "simulated": session.simulated,
             "pilot": session.pilot,
         }

@@ -67,6 +67,33 @@ def test_counts_keep_people_simulations_and_pilots_apart(
     assert rows["P0001"]["of"] == len(person.get().json()["trials"])
 
 
+def test_drop_outs_exclusions_withdrawals_and_timing_are_told_and_no_answer(
+    client: httpx.Client, headers: dict[str, str], store: Store
+) -> None:
+    visitors = [Visitor(client).begin() for _ in range(3)]
+    for index in range(4):
+        visitors[0].answer(index, dropped_frames=index % 2)
+    visitors[1].answer(0)
+    base = f"{PATHS[0]}/sessions"
+    reason = {"reason": "spoke on the phone"}
+    client.post(f"{base}/{visitors[0].session}/exclusion", json=reason, headers=headers)
+    client.post(f"{base}/{visitors[1].session}/withdrawal", headers=headers)
+    with store.engine.begin() as connection:
+        connection.exec_driver_sql(
+            "UPDATE sessions SET started_at = '2026-01-01T00:00:00.000+00:00'"
+            " WHERE participant_number = 3"
+        )
+    told = client.get(PATHS[0], headers=headers).json()
+    counts = {key: told[key] for key in ("started", "dropped_out", "excluded", "withdrawn")}
+    assert counts == {"started": 3, "dropped_out": 1, "excluded": 1, "withdrawn": 1}
+    rows = {row["participant"]: row for row in told["sessions"]}
+    assert (rows["P0001"]["exclusion"], rows["P0001"]["late_share"]) == ("spoke on the phone", 0.5)
+    assert rows["P0002"]["withdrawn_at"] is not None
+    assert (rows["P0003"]["late_share"], rows["P0003"]["answers"]) == (None, 0)
+    assert sum(count for _, count in told["answers_by_hour"]) == 4
+    assert "answer" not in {key for row in told["sessions"] for key in row}
+
+
 def test_the_table_holds_every_response_and_no_formula(
     client: httpx.Client, headers: dict[str, str], store: Store
 ) -> None:
