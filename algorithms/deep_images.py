@@ -4,13 +4,18 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 import numpy as np
-import OpenImageIO
 from numpy.typing import NDArray
 
 from algorithms.errors import InputError
 from algorithms.files import write_atomically
+
+if TYPE_CHECKING:
+    import OpenImageIO
+
+# Loaded where it is used: few pictures need it.
 
 
 def bits_per_channel(path: Path) -> int:
@@ -49,6 +54,8 @@ def read_deep(path: Path) -> NDArray[np.float32]:
     InputError
         If the file is not a readable picture.
     """
+    import OpenImageIO
+
     with _opened(path) as file:
         values = file.read_image(OpenImageIO.FLOAT)
         if values is None:
@@ -67,6 +74,8 @@ def write_radiance(path: Path, image: NDArray[np.float32]) -> None:
     InputError
         If the folder cannot be written to.
     """
+    import OpenImageIO
+
     height, width, channels = image.shape
     specification = OpenImageIO.ImageSpec(width, height, channels, OpenImageIO.FLOAT)
     values = np.ascontiguousarray(np.maximum(image, 0), dtype=np.float32)
@@ -81,7 +90,9 @@ def write_radiance(path: Path, image: NDArray[np.float32]) -> None:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[OpenImageIO.ImageInput]:
+def _opened(path: Path) -> "Iterator[OpenImageIO.ImageInput]":
+    import OpenImageIO
+
     if not path.is_file():
         raise InputError(f"{path}: no such file")
     # Colours are wanted as they stand in the file, not multiplied by alpha.

@@ -134,15 +134,53 @@ def caustics(
     """Let an object throw caustics on a surface that you mark."""
     from algorithms.caustics import PRESETS, Caustics
 
-    corners = _numbers("quad", quad, 8)
-    assert corners is not None  # it is required
     parameters = {
         "caustics": asdict(_settings(PRESETS, preset, Caustics(), assignments)),
-        "quad": [list(corners[place : place + 2]) for place in range(0, 8, 2)],
+        "quad": _corners(quad),
         "depth_scale": depth_scale,
     }
     inputs = {"mask": mask} if depth is None else {"mask": mask, "depth": depth}
     request = Request("caustics", image, inputs, parameters)
+    _run(request, out, compare=compare, max_pixels=max_pixels, as_json=as_json)
+
+
+@app.command()
+def transparent(
+    image: Picture,
+    mask: Mask,
+    assignments: Set = None,
+    depth: Depth = None,
+    depth_scale: DepthScale = 1.0,
+    shadow: Annotated[
+        Path | None, typer.Option(help="A picture that is white where the object's shadow is.")
+    ] = None,
+    lifted: Annotated[
+        float, typer.Option(min=0, max=1, help="How far the shadow is lifted.")
+    ] = 0.7,
+    quad: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,X,Y,X,Y,X,Y", help="Where caustics fall; without it, none do."),
+    ] = None,
+    preset: Annotated[str | None, typer.Option(help="Of the caustics: see `presets`.")] = None,
+    out: Out = None,
+    compare: Compare = True,
+    max_pixels: MaxPixels = 100_000_000,
+    as_json: Json = False,
+) -> None:
+    """Make an object of glass, with its shadow lifted and caustics in it."""
+    from algorithms.caustics import PRESETS, Caustics
+    from algorithms.transparency import CLEAR
+
+    parameters = {
+        "glass": asdict(_settings({}, None, CLEAR, assignments)),
+        "depth_scale": depth_scale,
+        "lifted": lifted,
+        "caustics": asdict(_settings(PRESETS, preset, Caustics(), None)),
+        "quad": _corners(quad),
+    }
+    given = {"mask": mask, "depth": depth, "shadow": shadow}
+    inputs = {name: path for name, path in given.items() if path is not None}
+    request = Request("transparent", image, inputs, parameters)
     _run(request, out, compare=compare, max_pixels=max_pixels, as_json=as_json)
 
 
@@ -221,6 +259,11 @@ def _numbers(name: str, text: str | None, count: int) -> Any:  # noqa: ANN401  #
     if len(numbers) != count:
         raise InputError(f"{name}: {text!r} given, {count} numbers with commas between accepted")
     return numbers
+
+
+def _corners(text: str | None) -> list[list[float]] | None:
+    numbers = _numbers("quad", text, 8)
+    return numbers and [list(numbers[place : place + 2]) for place in range(0, 8, 2)]
 
 
 def _number(name: str, text: str) -> float:

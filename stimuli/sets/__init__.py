@@ -17,9 +17,10 @@ SUMMARIES: Final[Mapping[str, str]] = {
     "photographs": "experiment 3: your photographs, an object lit from elsewhere (sec. 2.5)",
     "lightprobes": "objects under known lights, for light detection (ch. 3 and 9)",
     "still-life": "a table with things of many materials, lit from six directions (sec. 8.7)",
-    "caustics": "glass objects with caustics of photons and of a revolved outline (ch. 7)",
+    "caustics": "glass objects with caustics of photons, a revolved outline and one image (ch. 7)",
     "translucency": "translucent objects with irradiance maps of front and back (ch. 9)",
     "fog": "an outdoor scene with exact distance, clear and in fog of three densities (ch. 6)",
+    "fog-methods": "a rendered and a photographed scene in fog by six methods each (sec. 6.4)",
 }
 """What each set is, by its name, which is also the name of its file (with _ for -)."""
 

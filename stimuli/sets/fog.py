@@ -47,9 +47,9 @@ NOISE_LIMITS: Final[Mapping[str, float]] = {"clear": 1.0, "fog": 2.0}
 
 _SAMPLES: Final = 16  # a pixel and pass
 _MOST_SCATTERINGS: Final = 32
-_CLIPPED_SHARE: Final = 0.0008  # the lamps, and next to nothing else
+CLIPPED_SHARE: Final = 0.0008  # the lamps, and next to nothing else
 _OPAQUE_TRANSMITTANCE: Final = 0.02
-_SEEDS_APART: Final = 10_000
+SEEDS_APART: Final = 10_000
 _STEM: Final = "lane"
 _FOG_WAY: Final = f"truth/{_STEM}-fog_way.exr"
 
@@ -108,10 +108,10 @@ def make(
     recipe = recipe_of("fog", f"{__name__}.make", {"quick": quick}, seed, chosen)
     densities = ("clear", "light") if quick else tuple(EXTINCTIONS_PER_M)
     size = QUICK if quick else FULL
-    return make_set(folder, recipe, lambda: _plan(densities, _Scene(size, seed), seed), progress)
+    return make_set(folder, recipe, lambda: _plan(densities, Lane(size, seed), seed), progress)
 
 
-class _Scene:
+class Lane:
     """The scene, described once, and rendered with and without fog."""
 
     def __init__(self, size: Size, seed: int) -> None:
@@ -129,6 +129,7 @@ class _Scene:
         return fog_scene.lamps_in_frame(self.camera, self._described[0])
 
     def truth(self) -> GroundTruth:
+        """Return what is known of the lane without fog."""
         scene, numbers = self._described
         return ground_truth(mi.load_dict(scene), self.camera, numbers)
 
@@ -165,10 +166,10 @@ def _layer(density: str) -> FogLayer:
     return FogLayer(EXTINCTIONS_PER_M[density], _ALBEDO, _ASYMMETRY, _TOP_M, _REACH_M)
 
 
-def _plan(densities: Sequence[str], scene: _Scene, seed: int) -> Plan:
+def _plan(densities: Sequence[str], scene: Lane, seed: int) -> Plan:
     preview = fog_scene.camera(min(scene.camera.width_px, _PREVIEW_WIDTH_PX))
     exposure = exposure_for(
-        (scene.passes(density, preview)(seed) for density in densities), _CLIPPED_SHARE
+        (scene.passes(density, preview)(seed) for density in densities), CLIPPED_SHARE
     )
     jobs = [
         Job(_stimulus(number, density), _Make(scene, density, number, exposure, seed))
@@ -203,7 +204,7 @@ def _stimulus(number: int, density: str) -> Stimulus:
 class _Make:
     """Renders one image and writes its files."""
 
-    scene: _Scene
+    scene: Lane
     density: str
     number: int
     exposure: float
@@ -217,7 +218,7 @@ class _Make:
         image = render_until(
             self.scene.passes(self.density, self.scene.camera),
             self.exposure,
-            seed=self.seed + (self.number + 1) * _SEEDS_APART,
+            seed=self.seed + (self.number + 1) * SEEDS_APART,
             limit_of_255=NOISE_LIMITS["fog" if layer_of(self.density) else "clear"],
         )
         stimulus = _stimulus(self.number, self.density)
