@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
-from skimage.transform import resize
+from skimage.transform import resize_local_mean
 
 from algorithms.checks import checked_image
 from algorithms.color import FloatImage, luminance
@@ -266,9 +266,10 @@ def _reflection(behind: FloatImage, body: Body, glass: Glass) -> tuple[Plane, Fl
     height, width = behind.shape[:2]
     factor = min(1.0, _ENVIRONMENT_PX / max(height, width))
     shape = tuple(max(1, round(extent * factor)) for extent in (height, width))
+    small = resize_local_mean(behind, (*shape, 3))
     # A lamp is small: spread over its neighbours it would whiten them all.
-    dimmed = np.minimum(behind, np.quantile(behind, _LAMPS, axis=(0, 1)))
-    small = ndimage.gaussian_filter(resize(dimmed, shape, anti_aliasing=True), (1, 1, 0))
+    small = np.minimum(small, np.quantile(small, _LAMPS, axis=(0, 1)))
+    small = ndimage.gaussian_filter(small, (1, 1, 0))
     mirror = 2 * cosine[..., None] * body.front_normals
     rows = (1 - mirror[..., 1]) / 2 * (shape[0] - 1)
     columns = (1 + mirror[..., 0]) / 2 * (shape[1] - 1)
