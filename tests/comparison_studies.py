@@ -4,6 +4,8 @@ The items are the three placements; within a level and a material they are compa
 """
 
 import json
+import math
+from collections.abc import Mapping
 from typing import Any
 
 from experiments.study import Study, Task
@@ -28,8 +30,12 @@ def comparison_study(study: Study, task: Task, **design: Any) -> Study:  # noqa:
 
 
 def as_toml(study: Study) -> str:
-    """Write a study as TOML: its keys at the top first, then its tables."""
-    content = study.model_dump(mode="json", exclude_none=True)
+    """Write a study as TOML."""
+    return as_toml_text(study.model_dump(mode="json", exclude_none=True))
+
+
+def as_toml_text(content: Mapping[str, Any]) -> str:
+    """Write keys as TOML: those at the top first, then the tables."""
     flat = [f"{k} = {_value(v)}" for k, v in content.items() if not isinstance(v, dict)]
     tables = [
         f"[{name}]\n" + "\n".join(f"{k} = {_value(v)}" for k, v in table.items())
@@ -42,4 +48,6 @@ def as_toml(study: Study) -> str:
 def _value(value: object) -> str:
     if isinstance(value, dict):
         return "{" + ", ".join(f"{key} = {_value(part)}" for key, part in value.items()) + "}"
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
     return json.dumps(value)
