@@ -1,5 +1,6 @@
 """The command `trompe sweep`."""
 
+from itertools import product
 from pathlib import Path
 from typing import Annotated
 
@@ -27,8 +28,10 @@ def lights(
 
     from algorithms.files import make_folder, write_atomically
     from analysis.figures.light_errors import light_error_figure
+    from analysis.figures.printed_lights import printed_lights_figure
     from analysis.figures.style import figure_bytes
     from analysis.light_tables import means, table_3_1, table_3_2
+    from analysis.printed_lights import compare_with_printed
     from analysis.sweeps import FACTORS, long_table, sweep_lights
     from stimuli.manifest import load
 
@@ -36,12 +39,17 @@ def lights(
     with progress_bar("sweep lights") as progress:
         rows = sweep_lights(stimuli, np.random.default_rng(seed), progress=progress)
     summary = long_table(rows, FACTORS)
+    printed = compare_with_printed(stimuli)
     tables = {"table-3-1": table_3_1(stimuli), "table-3-2": table_3_2(stimuli)}
-    for name, table in {"errors": rows, "summary": summary, **tables}.items():
+    every_table = {"errors": rows, "summary": summary, "printed": printed, **tables}
+    for name, table in every_table.items():
         write_atomically(out / f"{name}.csv", table.to_csv(index=False).encode())
-    for kind in ("svg", "png"):
-        content = figure_bytes(light_error_figure(summary), kind)
-        write_atomically(out / f"light-errors.{kind}", content)
+    figures = {
+        "light-errors": light_error_figure(summary),
+        "printed-lights": printed_lights_figure(printed),
+    }
+    for (name, figure), kind in product(figures.items(), ("svg", "png")):
+        write_atomically(out / f"{name}.{kind}", figure_bytes(figure, kind))
     if as_json:
         typer.echo(summary.to_json(orient="records"))
         return
