@@ -139,31 +139,28 @@ def simulate(
     concurrency: Annotated[int, typer.Option(min=1, help="How many at the same time.")] = 4,
     as_json: Json = False,
 ) -> None:
-    """Let simulated observers take a study, through the real web interface where it shows it."""
+    """Let simulated observers take a study, through the real web interface."""
+    from experiments.item_observers import ItemObserver
     from experiments.observers import Observer
     from experiments.web.simulate import simulate_over_http
 
     loaded = load_study(study)
     stimulus_set = _verified(loaded, stimuli)
     generator = np.random.default_rng(seed)
-    if loaded.task != "odd-one-out":
-        count = _simulate_comparisons(
-            loaded,
-            stimulus_set,
-            data,
-            participants,
-            (qualities, spread, position_bias, lapse_rate),
-            generator,
+    observer: Observer | ItemObserver
+    if loaded.task == "odd-one-out":
+        observer = Observer(
+            threshold=_threshold_of(threshold),
+            width=width,
+            lapse_rate=lapse_rate,
+            condition=condition,
+            salience=_salience_of(salience),
         )
-        _print_facts({"simulated_sessions": count, "seed": seed}, as_json)
-        return
-    observer = Observer(
-        threshold=_threshold_of(threshold),
-        width=width,
-        lapse_rate=lapse_rate,
-        condition=condition,
-        salience=_salience_of(salience),
-    )
+    else:
+        if qualities is None:
+            raise InputError(f"qualities: needed to simulate {loaded.task}")
+        given = _pairs("qualities", qualities)
+        observer = ItemObserver(given, spread, position_bias, lapse_rate=lapse_rate)
     with _server_for(url, data, loaded, stimulus_set) as address, _progress(participants) as bar:
         sessions = simulate_over_http(
             address,
@@ -230,25 +227,6 @@ def run_lab(
             "left early; the same command goes on" if session.completed_at is None else "completed"
         )
         typer.echo(f"session {session.id}: {ended}")
-
-
-def _simulate_comparisons(
-    study: Study,
-    stimuli: StimulusSet,
-    data: str | None,
-    participants: int,
-    observer: tuple[str | None, float, float, float],
-    generator: np.random.Generator,
-) -> int:
-    from experiments.item_observers import ItemObserver, simulate_comparisons
-    from experiments.store import Store
-
-    qualities, spread, position_bias, lapse_rate = observer
-    if data is None or qualities is None:
-        raise InputError(f"data, qualities: both are needed to simulate {study.task}")
-    given = ItemObserver(_pairs("qualities", qualities), spread, position_bias, 0.0, lapse_rate)
-    with Store.open(data) as store:
-        return len(simulate_comparisons(study, stimuli, store, given, participants, generator))
 
 
 def _verified(study: Study, folder: Path) -> StimulusSet:

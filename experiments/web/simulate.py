@@ -10,10 +10,11 @@ import numpy as np
 
 from algorithms.errors import InputError
 from experiments.demographics import GENDERS
+from experiments.item_observers import ItemObserver
 from experiments.observers import Observer
 from experiments.responses import response_id
 from experiments.study import Study
-from experiments.trials import Assignment, Trial, planned_trials
+from experiments.trials import Answer, Assignment, Trial, planned_trials
 from experiments.web.exhibits import shown_png
 from stimuli.manifest import StimulusSet
 
@@ -23,7 +24,7 @@ _TIMEOUT_S = 60.0
 def simulate_over_http(
     url: str,
     participants: int,
-    observer: Observer,
+    observer: Observer | ItemObserver,
     study: Study,
     stimuli: StimulusSet,
     generator: np.random.Generator,
@@ -45,7 +46,7 @@ def simulate_over_http(
     participants
         How many, 1 or more.
     observer
-        How they answer.
+        How they answer: an `ItemObserver` in comparisons and judgements.
     study, stimuli
         What is being served.
     generator
@@ -94,7 +95,7 @@ class _Visit:
     """One simulated participant."""
 
     client: httpx.Client
-    observer: Observer
+    observer: Observer | ItemObserver
     study: Study
     stimuli: StimulusSet
     seed: int
@@ -106,11 +107,16 @@ class _Visit:
         session, number = str(begun["session"]), int(begun["participant_number"])
         token, base = str(begun["token"]), f"/api/sessions/{session}"
         generator = np.random.default_rng([self.seed, number])
+        observer = self.observer
+        if isinstance(observer, ItemObserver):
+            observer = observer.participant(generator)
         trials = planned_trials(self.study, self.stimuli, Assignment(number))
         told = self._call("GET", base, token).json()["trials"]
         self._compare_images(trials, told, token)
         for trial in trials:
-            self._call("POST", f"{base}/answers", token, self._answer(session, trial, generator))
+            self._call(
+                "POST", f"{base}/answers", token, self._answer(session, trial, observer, generator)
+            )
         self._call("POST", f"{base}/complete", token)
         return number, session
 
@@ -136,14 +142,26 @@ class _Visit:
                 f"url: the server has {len(told)} trials, the study and set here {len(trials)}"
             )
         for trial, seen in list(zip(trials, told, strict=True))[: self.images]:
-            path = self.stimuli.path(self.stimuli[trial.stimuli[0]].file)
-            shown = self._call("GET", seen["pictures"][0]["image"], token).content
-            if shown != shown_png(path.read_bytes()):
-                raise InputError("url: the server shows other images than the set given here")
+            for identifier, picture in zip(trial.stimuli, seen["pictures"], strict=True):
+                path = self.stimuli.path(self.stimuli[identifier].file)
+                shown = self._call("GET", picture["image"], token).content
+                if shown != shown_png(path.read_bytes()):
+                    raise InputError("url: the server shows other images than the set given here")
 
-    def _answer(self, session: str, trial: Trial, generator: np.random.Generator) -> dict[str, Any]:
-        stimulus = self.stimuli[trial.stimuli[0]]
-        answer, reaction_time_s = self.observer.answer(self.study, stimulus, generator)
+    def _answer(
+        self,
+        session: str,
+        trial: Trial,
+        observer: Observer | ItemObserver,
+        generator: np.random.Generator,
+    ) -> dict[str, Any]:
+        shown = [self.stimuli[identifier] for identifier in trial.stimuli]
+        answer: Answer
+        if isinstance(observer, ItemObserver):
+            items = [str(each.factors[self.study.stimuli.item or ""]) for each in shown]
+            answer, reaction_time_s = observer.answer(self.study, items, generator)
+        else:
+            answer, reaction_time_s = observer.answer(self.study, shown[0], generator)
         return {
             "id": response_id(session, trial.index),
             "trial_index": trial.index,

@@ -291,4 +291,4 @@ def test_the_command_simulates_comparisons(
     assert load_study(tmp_path / "pairs.toml").task == "two-alternative"
     assert len(load_responses(data)) == 3 * 60
     refused = CliRunner().invoke(app, [*common, "--data", data])
-    assert "data, qualities: both are needed" in str(refused.exception)
+    assert "qualities: needed to simulate two-alternative" in str(refused.exception)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from algorithms.errors import InputError
+from experiments.item_observers import ItemObserver
 from experiments.observers import Observer
 from experiments.store import Store
 from experiments.study import Study
@@ -12,6 +13,7 @@ from experiments.trials import Assignment, planned_trials
 from experiments.web import create_app, running_server
 from experiments.web.simulate import simulate_over_http
 from stimuli.manifest import StimulusSet
+from tests.comparison_studies import comparison_study
 from tests.drawn_set import draw_set
 
 # Notices everything above 45 degrees and nothing below.
@@ -104,3 +106,24 @@ def test_counts_below_one_are_refused(study: Study, drawn_set: StimulusSet, name
             np.random.default_rng(1),
             concurrency=counts["concurrency"],
         )
+
+
+def test_rankings_are_simulated_through_the_interface(
+    study: Study, drawn_set: StimulusSet, store: Store
+) -> None:
+    """Qualities far apart: everybody ranks alike, whatever the order shown."""
+    ranking = comparison_study(study, "ranking")
+    observer = ItemObserver({"front": 0.0, "back": 30.0, "front-back": -30.0}, lapse_rate=0.0)
+    with running_server(create_app(ranking, drawn_set, store)) as url:
+        generator = np.random.default_rng(1)
+        simulate_over_http(url, 2, observer, ranking, drawn_set, generator, images=2)
+    rows = store.responses()
+    assert len(rows) == 2 * 20
+    for row in rows:
+        items = [str(drawn_set[shown].factors["placement"]) for shown in row.stimuli]
+        assert isinstance(row.answer, tuple)
+        assert dict(zip(items, row.answer, strict=True)) == {
+            "back": 1,
+            "front": 2,
+            "front-back": 3,
+        }
