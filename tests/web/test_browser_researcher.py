@@ -6,6 +6,7 @@ import httpx
 import pandas as pd
 import pytest
 
+from experiments.participation import exclusion_reasons
 from experiments.store import Store
 from experiments.web.service import researcher_token
 from tests.web.browser import OpenPage
@@ -42,6 +43,31 @@ def test_the_researcher_sees_counts_and_saves_the_answers(
         assert list(table["trial_index"]) == [0, 0, 1]
         assert list(table["simulated"]) == [False, True, True]
         assert researcher_token(store) not in download.value.url
+
+
+def test_the_researcher_excludes_with_a_reason_and_withdraws_after_asking(
+    open_page: OpenPage, store: Store
+) -> None:
+    with open_page() as participant:
+        page = participant.page
+        base, _, _ = participant.address.partition("/s/")
+        with httpx.Client(base_url=base) as client:
+            for index in range(3):
+                Visitor(client).begin().answer(index, dropped_frames=index)
+        page.goto(f"{base}/researcher/{STUDY}/#{researcher_token(store)}")
+        page.once("dialog", lambda dialog: dialog.accept("spoke on the phone"))
+        page.get_by_role("button", name="Exclude P0001").click()
+        page.locator("tbody tr").nth(2).get_by_text("excluded").wait_for()
+        page.once("dialog", lambda dialog: dialog.dismiss())
+        page.get_by_role("button", name="Withdraw P0002").click()
+        page.once("dialog", lambda dialog: dialog.accept())
+        page.get_by_role("button", name="Withdraw P0003").click()
+        page.locator("tbody tr").nth(0).get_by_text("withdrew").wait_for()
+        with page.expect_download() as download:
+            page.get_by_role("button", name="Answers (Parquet)").click()
+        assert download.value.suggested_filename == f"{STUDY}-responses.parquet"
+    assert exclusion_reasons(store.events()) == {f"{STUDY}.P0001.1": "spoke on the phone"}
+    assert [row.participant for row in store.responses()] == ["P0001", "P0002"]
 
 
 @pytest.mark.parametrize("fragment", ["", "#wrong"])

@@ -1,9 +1,9 @@
 /** The researcher's page: live counts, and the answers as a file. */
 
-import { getBlob, getJson } from "./api";
+import { getBlob, getJson, post } from "./api";
 import { element } from "./dom";
-import { message } from "./messages";
-import { type Progress, progressView } from "./pages/progress";
+import { type MessageKey, message } from "./messages";
+import { type Progress, progressView, type SessionProgress } from "./pages/progress";
 import { ApiError } from "./retry";
 import "./styles/base.css";
 import "./styles/pages.css";
@@ -20,6 +20,22 @@ const download = element(
   { class: "primary", type: "button" },
   message("researcher.download"),
 );
+/** What else can be saved, by the message on its button. */
+const TABLES: [MessageKey, string][] = [
+  ["researcher.save.parquet", "responses.parquet"],
+  ["researcher.save.sessions", "sessions.csv"],
+  ["researcher.save.events", "events.csv"],
+];
+const saves = element(
+  "div",
+  { class: "saves" },
+  download,
+  ...TABLES.map(([key, file]) => {
+    const button = element("button", { type: "button" }, message(key));
+    button.addEventListener("click", () => void save(file));
+    return button;
+  }),
+);
 const link = element(
   "p",
   { class: "hint" },
@@ -33,14 +49,14 @@ const main = element(
   heading,
   state,
   counts,
-  download,
+  saves,
   fault,
   link,
 );
 
 document.body.append(main);
 document.title = message("researcher.title", { study });
-download.addEventListener("click", () => void saveAnswers());
+download.addEventListener("click", () => void save("responses.csv"));
 // Another link pasted into the open page changes the fragment without loading it again.
 window.addEventListener("hashchange", () => location.reload());
 void follow();
@@ -53,7 +69,7 @@ function token(): string {
 async function follow(): Promise<void> {
   try {
     const progress = await getJson<Progress>(path, token());
-    counts.replaceChildren(...progressView(progress));
+    counts.replaceChildren(...progressView(progress, { exclude, withdraw }));
     heading.textContent = progress.title;
     state.textContent = message("researcher.updated", { time: new Date().toLocaleTimeString() });
     main.classList.remove("stale");
@@ -73,12 +89,38 @@ function refuse(error: ApiError): void {
   main.replaceChildren(heading, element("p", { class: "fault", role: "alert" }, message(key)));
 }
 
-async function saveAnswers(): Promise<void> {
+function exclude(session: SessionProgress): void {
+  const { participant } = session;
+  const reason = window.prompt(message("researcher.exclude.reason", { participant }))?.trim();
+  if (reason) {
+    void change(session, "exclusion", { reason });
+  }
+}
+
+function withdraw(session: SessionProgress): void {
+  const { participant } = session;
+  if (window.confirm(message("researcher.withdraw.sure", { participant }))) {
+    void change(session, "withdrawal", null);
+  }
+}
+
+/** Tell the server; the next counts show what came of it. */
+async function change({ session }: SessionProgress, what: string, body: unknown): Promise<void> {
+  fault.textContent = "";
+  try {
+    await post(`${path}/sessions/${encodeURIComponent(session)}/${what}`, token(), body);
+  } catch (error) {
+    const reason = error instanceof Error ? error.message : String(error);
+    fault.textContent = message("researcher.action_failed", { reason });
+  }
+}
+
+async function save(file: string): Promise<void> {
   fault.textContent = "";
   try {
     // Fetched, not linked: a link would carry the token in the address and so into logs.
-    const address = URL.createObjectURL(await getBlob(`${path}/responses.csv`, token()));
-    element("a", { href: address, download: `${study}-responses.csv` }).click();
+    const address = URL.createObjectURL(await getBlob(`${path}/${file}`, token()));
+    element("a", { href: address, download: `${study}-${file}` }).click();
     setTimeout(() => URL.revokeObjectURL(address), 60_000);
   } catch (error) {
     const reason = error instanceof Error ? error.message : String(error);

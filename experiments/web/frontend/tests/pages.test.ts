@@ -99,28 +99,56 @@ describe("messages", () => {
 
 describe("the researcher's counts", () => {
   it("mark what a program answered, and keep it out of the people's counts", () => {
-    const session = { started_at: "2024-05-01T10:00:00Z", answers: 3, of: 63, completed_at: null };
-    root.append(
-      ...progressView({
-        study: "s",
-        title: "T",
-        target: 24,
-        started: 1,
-        completed: 0,
-        simulated_started: 1,
-        simulated_completed: 0,
-        pilot_started: 0,
-        answers: 6,
-        last_answer_at: null,
-        sessions: [
-          { ...session, participant: "P0001", simulated: false, pilot: false },
-          { ...session, participant: "P0002", simulated: true, pilot: false },
-        ],
-      }),
-    );
+    const session = {
+      session: "s.P0001.1",
+      started_at: "2024-05-01T10:00:00Z",
+      answers: 3,
+      of: 63,
+      late_share: 0.25,
+      completed_at: null,
+      withdrawn_at: null,
+      exclusion: null,
+    };
+    const excluded: string[] = [];
+    const progress = {
+      study: "s",
+      title: "T",
+      target: 24,
+      started: 1,
+      completed: 0,
+      dropped_out: 1,
+      excluded: 1,
+      withdrawn: 1,
+      simulated_started: 1,
+      simulated_completed: 0,
+      pilot_started: 0,
+      answers: 6,
+      answers_by_hour: [
+        ["2024-05-01T10:00:00+00:00", 2],
+        ["2024-05-01T12:00:00+00:00", 4],
+      ] as [string, number][],
+      last_answer_at: null,
+      sessions: [
+        { ...session, participant: "P0001", simulated: false, pilot: false },
+        { ...session, participant: "P0002", simulated: true, pilot: false },
+        { ...session, participant: "P0003", exclusion: "why", simulated: false, pilot: false },
+        { ...session, participant: "P0004", withdrawn_at: "x", simulated: false, pilot: false },
+      ],
+    };
+    const actions = {
+      exclude: (each: { participant: string }) => excluded.push(each.participant),
+      withdraw: () => undefined,
+    };
+    root.append(...progressView(progress, actions));
     const rows = [...root.querySelectorAll("tbody tr")].map((row) => row.textContent ?? "");
-    expect(rows[0]).toMatch(/P0002SIMULATED/);
-    expect(rows[1]).not.toMatch(/SIMULATED/);
+    expect(rows[2]).toMatch(/P0002SIMULATED/);
+    expect(rows[3]).not.toMatch(/SIMULATED/);
+    expect(rows[0]).toMatch(/25.?%withdrew$/);
+    expect(rows[1]).toMatch(/excluded Withdraw$/);
+    root.querySelector<HTMLElement>("[aria-label='Exclude P0001']")?.click();
+    expect(excluded).toEqual(["P0001"]);
+    const heights = [...root.querySelectorAll("rect")].map((bar) => bar.getAttribute("height"));
+    expect(heights).toEqual(["10", "20"]);
     expect(root.querySelector<HTMLElement>(".simulated-note")?.hidden).toBe(false);
   });
 });
