@@ -96,14 +96,18 @@ def map_corners(light_deg: float) -> NDArray[np.float64]:
 
     Returns
     -------
-    `(4, 3)`: a square that begins under the object and lies on the side away from the light,
-    clockwise as seen from above, from where the map's top left goes. What is above in the map, as
-    in a picture of the object, lies farther away from the light.
+    `(4, 3)`: a square that begins under the object and lies on the side away from the light, from
+    where the map's top left goes. What is above in the map, as in a picture of the object, lies
+    farther away from the light. Clockwise as seen from above where the light is on the camera's
+    side of the object; behind it, the other way round: there the light sees the mirror image of
+    the outline that the camera sees, and that is the shadow's.
     """
     away = -_direction(light_deg, 0)
     right = np.cross(away, [0, 1, 0])
     near, far = _MAP_GAP * away, (_MAP_GAP + _MAP_SIDE) * away
     half = right * _MAP_SIDE / 2
+    if np.cos(np.radians(light_deg)) < 0:
+        half = -half
     return np.stack([far - half, far + half, near + half, near - half])
 
 

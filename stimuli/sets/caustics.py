@@ -64,6 +64,7 @@ METHODS: Final[Mapping[str, str]] = {
 
 IMAGE_BASED: Final = "image-based"
 COMPARED: Final = ("photon-mapped", "revolved", IMAGE_BASED)
+_STRENGTHS: Final = (2.0, 3.0)  # at which about as much light is added as photons bring
 _SETTINGS: Final = {"pebble": "skull", "vertebra": "vertebrae"}  # others by their own names
 PRACTICE_OBJECT: Final = "doll"
 """Shown before the study: at one light as the example, at the others for practice."""
@@ -182,7 +183,7 @@ def make(
     those of the same object and light without caustics (`transparent`) and as an `opaque` one; the
     object's region; `distance`, `relief`, `normal` and `albedo` of the opaque object; the light in
     the camera's frame; the corners of the place for a map of caustics, `map_quad_px`: (x, y) from
-    the image's top left, clockwise from where the map's top left goes; the noise left.
+    the image's top left, in order from where the map's top left goes; the noise left.
 
     Raises
     ------
@@ -310,10 +311,11 @@ class _Studio:
             base.radiance,
             maps,
             self.view.project(map_corners(light_deg)),
-            settings.strengths,
+            _STRENGTHS,
             colour=settings.colour,
             texture=settings.texture,
-            spared=mask,
+            # Lit from the camera's side, the place lies behind the object and is seen through it.
+            spared=None if light_deg == 0 else mask,
         )
         return replace(base, radiance=with_caustics)
 
