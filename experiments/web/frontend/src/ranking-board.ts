@@ -167,6 +167,7 @@ export class RankingBoard implements Exhibit<number[]> {
     this.held = image;
     for (const [index, picture] of this.pictures.entries()) {
       picture.classList.toggle("held", index === image);
+      picture.setAttribute("aria-pressed", String(index === image));
     }
   }
 

@@ -121,6 +121,7 @@ describe("ranking", () => {
       const second = nth(".ranked", 2) as HTMLElement; // the 2nd image, now in place 3
       second.focus();
       key("Space", " ", second);
+      expect(second.getAttribute("aria-pressed")).toBe("true");
       key("ArrowRight", "ArrowRight", second);
       expect(document.activeElement).toBe(second);
       done();
