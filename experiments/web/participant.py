@@ -24,6 +24,21 @@ router = APIRouter(prefix="/api")
 _CACHED = {"Cache-Control": "private, max-age=86400"}
 
 
+# The first of all routes: it is asked far more often than the others together.
+@router.post("/sessions/{session}/answers")
+async def record_answer(here: Here, own: KnownSession, message: AnswerMessage) -> dict[str, Any]:
+    """Store an answer; once this replies, the answer outlives the server."""
+    if message.id != response_id(own.id, message.trial_index):
+        raise ApiError(403, "id: not the id of this session's trial")
+    answer, trials = message.given(), here.trials(own)
+    response = response_in(
+        trials, here.study, own, message.trial_index, answer, message.measurement()
+    )
+    await asyncio.wrap_future(here.store.submit(response))
+    trial = trials[message.trial_index]
+    return {"stored": True, "feedback": _feedback(here, trial, answer)}
+
+
 @router.get("/studies/{study}", dependencies=[KnownStudy])
 def describe_study(here: Here) -> dict[str, Any]:
     """Tell what a participant may know before the first trial."""
@@ -117,20 +132,6 @@ def show_regions(here: Here, own: KnownSession, opaque: str) -> JSONResponse:
     if path is None:
         raise ApiError(404, "regions: this session has no such region map")
     return JSONResponse(region_runs(path), headers=_CACHED)
-
-
-@router.post("/sessions/{session}/answers")
-async def record_answer(here: Here, own: KnownSession, message: AnswerMessage) -> dict[str, Any]:
-    """Store an answer; once this replies, the answer outlives the server."""
-    if message.id != response_id(own.id, message.trial_index):
-        raise ApiError(403, "id: not the id of this session's trial")
-    answer, trials = message.given(), here.trials(own)
-    response = response_in(
-        trials, here.study, own, message.trial_index, answer, message.measurement()
-    )
-    await asyncio.wrap_future(here.store.submit(response))
-    trial = trials[message.trial_index]
-    return {"stored": True, "feedback": _feedback(here, trial, answer)}
 
 
 @router.post("/sessions/{session}/events", status_code=204)
