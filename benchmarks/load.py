@@ -41,7 +41,7 @@ WARM_UP_S = 2.0
 START_S = 30.0
 ON_THE_WAY_S = 0.05  # until what was acknowledged before a kill has arrived
 # So often that nobody comes to the end of the study.
-REPEATS = {"saturation": 100, "paced": 2, "kills": 20}
+REPEATS = {"saturation": 100, "paced": 2, "kills": 12}
 WORKERS = {"sqlite": 1, "postgresql": 2}
 DURABLE: dict[str, dict[str, int | str]] = {
     "sqlite": {"PRAGMA synchronous": 2, "PRAGMA journal_mode": "wal"},
