@@ -1,6 +1,7 @@
 """The store in SQLite and in PostgreSQL alike, and stores of other schemas."""
 
 import sqlite3
+import subprocess
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
@@ -21,6 +22,7 @@ from experiments.store import ConflictError, NewSession, Store
 from experiments.study import Study
 from experiments.tables import metadata
 from stimuli.manifest import StimulusSet
+from tests.postgres import Cluster, programs
 
 SOMEBODY = NewSession(runner="web", device="a browser", demographics={"age": 30}, screen={})
 MEASURED = Measurement(2.31, 10.01, 10.02, 0.0167, 0, "mouse")
@@ -194,6 +196,29 @@ def test_a_postgresql_database_without_a_store_is_named_without_its_password(
         Store.open("postgresql://someone:secret@127.0.0.1:9/none")
     assert "secret" not in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_postgresql_store_is_restored_from_a_dump_as_the_guide_says(
+    cluster: Cluster, study: Study, drawn_set: StimulusSet, tmp_path: Path
+) -> None:
+    url, restored = cluster.new_database(), cluster.new_database()
+    folder, dump = programs(), tmp_path / "store.dump"
+    assert folder is not None
+    with Store.open(url) as store:
+        session, _ = store.begin_session(study, drawn_set, SOMEBODY)
+        answers = [make_response(study, drawn_set, session, n, 3, MEASURED) for n in range(10)]
+        for response in answers:
+            store.record(response)
+        options = ["--format=custom", f"--file={dump}", url]
+        subprocess.run([folder / "pg_dump", *options], check=True)
+    subprocess.run([folder / "pg_restore", f"--dbname={restored}", dump], check=True)
+    with Store.open(restored, must_exist=True) as again:
+        assert again.responses() == answers
+        with (
+            pytest.raises(sa.exc.DBAPIError, match="responses are never changed"),
+            again.engine.begin() as connection,
+        ):
+            connection.exec_driver_sql("DELETE FROM responses")
 
 
 def test_a_store_of_the_first_schema_is_brought_up_to_date_with_all_it_holds(
