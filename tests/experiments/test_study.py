@@ -89,7 +89,7 @@ def test_files_that_are_no_study_are_refused(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=message):
             load_study(path)
     with pytest.raises(
-        InputError, match="no ready-made study 'lights'; there are: .*lights-synthetic"
+        InputError, match=r"no ready-made study 'lights'; there are: .*lights-synthetic"
     ):
         load_study("lights")
 
