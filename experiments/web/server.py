@@ -106,9 +106,6 @@ def settings() -> dict[str, Any]:
         "access_log": False,
         "server_header": False,
         "lifespan": "off",
-        # The fast ones, which are installed with Trompe.
-        "loop": "uvloop",
-        "http": "httptools",
     }
 
 
