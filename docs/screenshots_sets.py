@@ -16,7 +16,7 @@ from stimuli.manifest import MANIFEST_NAME
 
 PICTURES: Final = Path(__file__).parent / "pictures"
 WIDTH_PX: Final = 1280
-COLUMNS: Final = {"still-life": 3, "fog": 2, "caustics": 8, "texture": 8}
+COLUMNS: Final = {"still-life": 3, "fog": 2, "fog-methods": 5, "caustics": 10, "texture": 8}
 
 
 def main() -> None:
