@@ -76,7 +76,9 @@ _INTEGRATOR: Final[Mapping[str, Any]] = {
     "rr_depth": 100,
     "hide_emitters": True,
 }
-_SKY_NOISE: Final = 0.7  # of what is accepted in the whole
+# Of what is accepted in the whole: what is added on top cannot take noise away.
+_SKY_NOISE: Final = 0.7
+_BASE_NOISE: Final = 0.9
 
 
 @dataclass(frozen=True)
@@ -296,7 +298,7 @@ class _Studio:
                 lambda seed: self._trace(scene, seed, self._size.key_samples),
                 self.exposure,
                 seed=self._seed_of(method, light_deg),
-                limit_of_255=self._limit,
+                limit_of_255=_BASE_NOISE * self._limit,
             )
         return self._bases[method, light_deg]
 
