@@ -161,7 +161,14 @@ def _example(here: Service) -> dict[str, Any] | None:
     if here.example is None:
         return None
     base = f"/api/studies/{here.study.name}/example"
-    return {"image": f"{base}/image", "regions": f"{base}/regions", "answer": here.example.answer}
+    width_px, height_px = here.exhibits.size_px(here.example)
+    return {
+        "image": f"{base}/image",
+        "width_px": width_px,
+        "height_px": height_px,
+        "regions": f"{base}/regions",
+        "answer": here.example.answer,
+    }
 
 
 def _identity(session: Session) -> dict[str, Any]:

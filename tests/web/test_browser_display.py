@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from algorithms.files import sha256_of
 from experiments.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
@@ -24,7 +25,8 @@ def shapes_set(folder: Path) -> StimulusSet:
         Image.fromarray(np.where(labels > 0, 0, 255).astype(np.uint8)).save(
             drawn.path(stimulus.file)
         )
-    return drawn
+    digests = {stimulus.file: sha256_of(drawn.path(stimulus.file)) for stimulus in drawn.stimuli}
+    return drawn.model_copy(update={"files": {**drawn.files, **digests}})
 
 
 @pytest.mark.parametrize(

@@ -29,6 +29,7 @@ def drag_by_touch(page: Page, source: int, target: int) -> None:
     (x, y), (to_x, to_y) = [
         (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2) for box in boxes if box
     ]
+    moved = page.locator(".ranked img").nth(source).get_attribute("src")
     touch = page.context.new_cdp_session(page)
     for kind, points in (
         ("touchStart", [{"x": x, "y": y}]),
@@ -37,7 +38,9 @@ def drag_by_touch(page: Page, source: int, target: int) -> None:
         ("touchEnd", []),
     ):
         touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
-    page.wait_for_timeout(200)  # until the images have moved
+    arrived = page.locator(".ranked").nth(target).locator(f"img[src='{moved}']")
+    arrived.wait_for()
+    page.wait_for_timeout(300)  # until the others have made room
 
 
 def test_a_finger_orders_images_and_ties_them(

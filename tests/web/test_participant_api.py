@@ -2,6 +2,7 @@ from pathlib import Path
 
 import httpx
 import pytest
+from PIL import Image
 
 from experiments.store import NewSession, Store
 from experiments.study import Study
@@ -42,6 +43,8 @@ def test_the_example_is_shown_with_its_answer_and_is_no_trial(
     example = drawn_set.with_role("example")[0]
     told = client.get(f"/api/studies/{STUDY}").json()["example"]
     assert told["answer"] == example.answer
+    with Image.open(drawn_set.path(example.file)) as picture:
+        assert (told["width_px"], told["height_px"]) == picture.size
     image = client.get(told["image"])
     assert image.headers["content-type"] == "image/png"
     trials = visitor.get().json()["trials"]
