@@ -24,6 +24,7 @@ from algorithms.fog import Fog
 from algorithms.images import write_picture
 from algorithms.transparency import CLEAR
 from benchmarks.caustics import BODY, HANDLE, QUAD, RIM, SHADOW
+from stimuli.sets.fog_methods import MOTORCYCLE
 
 PICTURE: Final = Path(__file__).parent / "pictures" / "edits.jpg"
 COLUMNS: Final = 3
@@ -61,7 +62,7 @@ MASKS: Final[Mapping[str, Points]] = {
     "all": ((-1, -1), (999, -1), (999, 999), (-1, 999)),
 }
 FLOOR: Final = ((250, 425), (420, 415), (470, 480), (260, 490))
-STEREO: Final = {"focal_px": 994.978, "baseline": 0.193001, "offset_px": 31.086}
+STEREO: Final = asdict(MOTORCYCLE)
 MIST: Final = Fog(extinction=1.6, airlight=(0.62, 0.64, 0.67))
 
 

@@ -17,25 +17,24 @@ from skimage.data import stereo_motorcycle
 
 import stimuli
 from algorithms.color import decode_srgb
-from algorithms.depth.files import Stereo, fill_unknown
+from algorithms.depth.files import fill_unknown
 from algorithms.files import write_atomically
 from algorithms.images import read_channels, write_picture
 from analysis.figures.fog_series import Scene, fog_series_figure, presets_of, published_series
 from analysis.figures.fog_spread import fog_spread_figure
 from analysis.figures.style import figure_bytes
 from stimuli.manifest import StimulusSet
+from stimuli.sets.fog_methods import MOTORCYCLE
 
 PICTURES: Final = Path(__file__).parent / "pictures"
-# scikit-image's documentation of the motorcycle; metres.
-CAMERAS: Final = Stereo(focal_px=994.978, baseline=0.193001, offset_px=31.086)
 
 
 def motorcycle() -> Scene:
     """Return the photograph and its distance; what has no disparity takes its neighbour's."""
     picture, _, disparity = stereo_motorcycle()
     known = np.isfinite(disparity)
-    shifted = np.where(known, disparity, 1) + CAMERAS.offset_px
-    distance = CAMERAS.baseline * CAMERAS.focal_px / shifted
+    shifted = np.where(known, disparity, 1) + MOTORCYCLE.offset_px
+    distance = MOTORCYCLE.baseline * MOTORCYCLE.focal_px / shifted
     image = decode_srgb(picture / 255).astype(np.float32)
     return Scene(image, fill_unknown(distance, known).astype(np.float32))
 
