@@ -40,7 +40,7 @@ def drag_by_touch(page: Page, source: int, target: int) -> None:
         touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
     arrived = page.locator(".ranked").nth(target).locator(f"img[src='{moved}']")
     arrived.wait_for()
-    page.wait_for_timeout(300)  # until the others have made room
+    page.wait_for_function("document.getAnimations().length === 0")  # the others have made room
 
 
 def test_a_finger_orders_images_and_ties_them(
@@ -54,7 +54,12 @@ def test_a_finger_orders_images_and_ties_them(
         page.get_by_role("button", name="Begin").tap()
         page.locator("button.primary:enabled").wait_for()
         drag_by_touch(page, 2, 0)  # the third image first
-        page.locator(".tie").nth(1).tap()  # and the other two alike
+        tie = page.locator(".tie").nth(1)  # and the other two alike
+        tie.tap()
+        if tie.get_attribute("aria-pressed") != "true":
+            # A busy browser takes a tap that follows a drag at once for a part of it.
+            page.wait_for_timeout(1000)
+            tie.tap()
         page.get_by_role("button", name="Done").tap()
         page.get_by_text("Image 2 of 2").wait_for()
         page.locator("button.primary:enabled").wait_for()
