@@ -19,6 +19,7 @@ MAX_PIXELS = 100_000_000
 """Larger images are refused before they are decoded."""
 
 _JPEG_QUALITY = 95
+_PNG_DEPTH_AT = 24  # after signature, chunk header, width and height
 _DISPLAY_SUFFIXES = (".png", ".jpg", ".jpeg")
 _TIFF_SUFFIXES = (".tif", ".tiff")
 _WRITTEN_SUFFIXES = (*_DISPLAY_SUFFIXES, ".exr", ".hdr")
@@ -279,11 +280,17 @@ def _decode(path: Path, max_pixels: int) -> NDArray[np.uint8] | NDArray[np.float
     with _opened(path, max_pixels) as picture:
         if picture.format not in ("PNG", "JPEG") or picture.mode == "CMYK":
             raise InputError(f"{path}: a PNG or JPEG in grey or RGB is accepted")
-        if picture.format == "PNG" and bits_per_channel(path) == 16:
+        if picture.format == "PNG" and _bits_of_png(path) == 16:
             return read_deep(path)  # Pillow drops the lower 8 bits of colours
         upright = ImageOps.exif_transpose(picture)
         mode = "RGBA" if upright.has_transparency_data else "RGB"
         return np.array(upright.convert(mode))
+
+
+def _bits_of_png(path: Path) -> int:
+    """Return the bit depth that the header of a PNG states."""
+    with path.open("rb") as stream:
+        return stream.read(_PNG_DEPTH_AT + 1)[_PNG_DEPTH_AT]
 
 
 def write_picture(path: Path, picture: Image.Image) -> None:

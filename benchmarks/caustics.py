@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from skimage import data, draw
 from skimage.transform import resize
 
-from algorithms.caustics import Caustics, add_caustics, caustic_map
+from algorithms.caustics import Caustics, add_caustics, cast, caustic_map, maps_of
 from algorithms.color import FloatImage, decode_srgb
 from algorithms.depth import perceptual_relief
 from algorithms.shadows import lift_shadow
@@ -80,8 +80,8 @@ def with_caustics(view: Scene) -> FloatImage:
     """Do what `trompe edit caustics` does."""
     settings = Caustics()
     relief = perceptual_relief(view.image, view.mask)
-    maps = caustic_map(relief, view.mask, settings.directions, sharpness=settings.sharpness)
-    return add_caustics(view.image, maps, view.quad, settings.strengths, spared=view.mask)
+    maps = maps_of(relief, view.mask, settings)
+    return cast(view.image, maps, view.quad, settings, spared=view.mask)
 
 
 def seconds(work: Callable[[], object]) -> float:

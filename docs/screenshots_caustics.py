@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 import stimuli
-from algorithms.caustics import PRESETS, add_caustics, caustic_map
+from algorithms.caustics import PRESETS, cast, maps_of
 from algorithms.depth import perceptual_relief
 from algorithms.files import write_atomically
 from algorithms.images import read_channels, read_labels, write_image
@@ -46,8 +46,8 @@ def before_and_after(view: Scene) -> np.ndarray:
     relief = perceptual_relief(view.image, view.mask)
     preset = PRESETS["vase"]
     glass = make_transparent(view.image, view.mask, relief)
-    maps = caustic_map(relief, view.mask, preset.directions, sharpness=preset.sharpness)
-    after = add_caustics(glass, maps, view.quad, preset.strengths, spared=view.mask)
+    maps = maps_of(relief, view.mask, preset)
+    after = cast(glass, maps, view.quad, preset, spared=view.mask)
     return np.concatenate([view.image, after], axis=1)
 
 

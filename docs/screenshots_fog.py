@@ -32,11 +32,8 @@ PICTURES: Final = Path(__file__).parent / "pictures"
 def motorcycle() -> Scene:
     """Return the photograph and its distance; what has no disparity takes its neighbour's."""
     picture, _, disparity = stereo_motorcycle()
-    known = np.isfinite(disparity)
-    shifted = np.where(known, disparity, 1) + MOTORCYCLE.offset_px
-    distance = MOTORCYCLE.baseline * MOTORCYCLE.focal_px / shifted
     image = decode_srgb(picture / 255).astype(np.float32)
-    return Scene(image, fill_unknown(distance, known).astype(np.float32))
+    return Scene(image, fill_unknown(*MOTORCYCLE.distance(disparity)).astype(np.float32))
 
 
 def lane(made: StimulusSet) -> Scene:

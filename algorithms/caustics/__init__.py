@@ -7,7 +7,16 @@ The pattern is projected onto a quadrilateral that the user marks, and its lumin
 """
 
 from algorithms.caustics.added import add_caustics
+from algorithms.caustics.cast import cast, maps_of
 from algorithms.caustics.pattern import caustic_map
 from algorithms.caustics.settings import MAX_DIRECTIONS, PRESETS, Caustics
 
-__all__ = ["MAX_DIRECTIONS", "PRESETS", "Caustics", "add_caustics", "caustic_map"]
+__all__ = [
+    "MAX_DIRECTIONS",
+    "PRESETS",
+    "Caustics",
+    "add_caustics",
+    "cast",
+    "caustic_map",
+    "maps_of",
+]

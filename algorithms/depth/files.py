@@ -42,6 +42,20 @@ class Stereo:
         if not np.isfinite(self.offset_px):
             raise InputError("offset_px: a finite number is accepted")
 
+    def distance(
+        self, disparity_px: NDArray[np.floating[Any]]
+    ) -> tuple[NDArray[np.floating[Any]], NDArray[np.bool_]]:
+        """Return distances, and where they are known: where disparities are finite and not behind.
+
+        Parameters
+        ----------
+        disparity_px
+            Of any shape.
+        """
+        shifted = disparity_px + self.offset_px
+        known = (shifted > 0) & np.isfinite(shifted)
+        return self.baseline * self.focal_px / np.where(known, shifted, 1), known
+
 
 def read_distance(
     path: str | Path, *, scale: float = 1.0, stereo: Stereo | None = None
@@ -73,13 +87,12 @@ def read_distance(
     if not 0 < scale < np.inf:
         raise InputError("scale: a finite number of more than 0 is accepted")
     values = _values(path).astype(np.float64) * scale
+    distance: NDArray[np.floating[Any]]
     if stereo is None:
         known = values > 0
         distance = values
     else:
-        shifted = values + stereo.offset_px
-        known = (shifted > 0) & np.isfinite(values)
-        distance = stereo.baseline * stereo.focal_px / np.where(known, shifted, 1)
+        distance, known = stereo.distance(values)
     if not known.any():
         raise InputError(f"{path}: no pixel has a distance; numbers of more than 0 are accepted")
     return fill_unknown(distance, known).astype(np.float32)
@@ -112,7 +125,9 @@ def read_relief(path: str | Path, *, scale: float = 1.0) -> NDArray[np.float32]:
     return values
 
 
-def fill_unknown(values: NDArray[np.float64], known: NDArray[np.bool_]) -> NDArray[np.float64]:
+def fill_unknown(
+    values: NDArray[np.floating[Any]], known: NDArray[np.bool_]
+) -> NDArray[np.floating[Any]]:
     """Give unknown pixels the value of the nearest known one."""
     if known.all():
         return values

@@ -8,7 +8,7 @@ where the map's top left goes), `depth_scale`.
 import numpy as np
 from numpy.typing import NDArray
 
-from algorithms.caustics import Caustics, add_caustics, caustic_map
+from algorithms.caustics import Caustics, cast, maps_of
 from algorithms.color import FloatImage
 from algorithms.depth import perceptual_relief
 from algorithms.depth.files import read_relief
@@ -26,18 +26,8 @@ def edit(image: FloatImage, request: Request) -> FloatImage:
     """
     settings = settings_from(Caustics, request.parameters["caustics"])
     mask = read_mask(request.inputs["mask"], image.shape)
-    maps = caustic_map(
-        relief_of(image, mask, request), mask, settings.directions, sharpness=settings.sharpness
-    )
-    return add_caustics(
-        image,
-        maps,
-        request.parameters["quad"],
-        settings.strengths,
-        colour=settings.colour,
-        texture=settings.texture,
-        spared=mask,
-    )
+    maps = maps_of(relief_of(image, mask, request), mask, settings)
+    return cast(image, maps, request.parameters["quad"], settings, spared=mask)
 
 
 def relief_of(image: FloatImage, mask: NDArray[np.bool_], request: Request) -> NDArray[np.float32]:

@@ -6,7 +6,7 @@ shadow that it casts. Parameters: `glass` (`algorithms.transparency.Glass`), `de
 `quad` as for the edit of that name.
 """
 
-from algorithms.caustics import Caustics, add_caustics, caustic_map
+from algorithms.caustics import Caustics, cast, maps_of
 from algorithms.color import FloatImage
 from algorithms.edits.caustics import relief_of
 from algorithms.edits.request import Request, read_mask, settings_from
@@ -36,16 +36,8 @@ def edit(image: FloatImage, request: Request) -> FloatImage:
     behind = fill_behind(ground, mask)
     if parameters["quad"] is not None:
         settings = settings_from(Caustics, parameters["caustics"])
-        maps = caustic_map(relief, mask, settings.directions, sharpness=settings.sharpness)
+        maps = maps_of(relief, mask, settings)
         ground, behind = (
-            add_caustics(
-                each,
-                maps,
-                parameters["quad"],
-                settings.strengths,
-                colour=settings.colour,
-                texture=settings.texture,
-            )
-            for each in (ground, behind)
+            cast(each, maps, parameters["quad"], settings) for each in (ground, behind)
         )
     return make_transparent(ground, mask, relief, glass, behind)

@@ -28,7 +28,7 @@ from typing import Any, Final
 import mitsuba as mi
 import numpy as np
 
-from algorithms.caustics import PRESETS, add_caustics, caustic_map
+from algorithms.caustics import PRESETS, cast, maps_of
 from algorithms.depth import perceptual_relief
 from algorithms.images import write_channels
 from stimuli.camera import Perspective
@@ -304,21 +304,16 @@ class _Studio:
 
     def _image_based(self, light_deg: int) -> Converged:
         """Return the glass object with caustics guessed from the picture of the opaque one."""
-        settings = PRESETS[_SETTINGS.get(self.scene.name, self.scene.name)]
+        preset = PRESETS[_SETTINGS.get(self.scene.name, self.scene.name)]
+        settings = replace(preset, strengths=_STRENGTHS)
         mask = self.truth.regions > 0
         relief = perceptual_relief(self._base("opaque", light_deg).radiance, mask)
         base = self._base("no-caustics", light_deg)
-        maps = caustic_map(relief, mask, settings.directions, sharpness=settings.sharpness)
-        with_caustics = add_caustics(
-            base.radiance,
-            maps,
-            self.view.project(map_corners(light_deg)),
-            _STRENGTHS,
-            colour=settings.colour,
-            texture=settings.texture,
-            # Lit from the camera's side, the place lies behind the object and is seen through it.
-            spared=None if light_deg == 0 else mask,
-        )
+        maps = maps_of(relief, mask, settings)
+        quad = self.view.project(map_corners(light_deg))
+        # Lit from the camera's side, the place lies behind the object and is seen through it.
+        spared = None if light_deg == 0 else mask
+        with_caustics = cast(base.radiance, maps, quad, settings, spared)
         return replace(base, radiance=with_caustics)
 
     def _under_sky(self, method: str) -> Converged:

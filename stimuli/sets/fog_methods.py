@@ -225,9 +225,7 @@ class _Scenes:
     @cached_property
     def _motorcycle(self) -> Scene:
         left, _, disparity = stereo_motorcycle()
-        known = np.isfinite(disparity)
-        shifted = np.where(known, disparity, 1) + MOTORCYCLE.offset_px
-        distance = fill_unknown(MOTORCYCLE.baseline * MOTORCYCLE.focal_px / shifted, known)
+        distance = fill_unknown(*MOTORCYCLE.distance(disparity))
         image = decode_srgb(left / 255).astype(np.float32)
         fog = Fog(extinction=_THICKNESS, airlight=(0.5, 0.52, 0.54))
         return Scene(image, distance.astype(np.float32), fog, None)
