@@ -199,20 +199,24 @@ def run_lab(
     monitor: Annotated[str | None, typer.Option(help="Its name in PsychoPy.")] = None,
     pilot: Pilot = False,
 ) -> None:
-    """Run a study with one participant in a PsychoPy window on this machine."""
+    """Run a study with one participant in a PsychoPy window on this machine.
+
+    Without --age, --gender and --artistic-background a form in the window asks who takes part.
+    """
     from experiments.lab import runner
     from experiments.lab.window import WindowSettings
     from experiments.store import Store
 
     loaded = load_study(study)
     stimulus_set = _verified(loaded, stimuli)
-    said = {"age": age, "gender": gender, "artistic_background": artistic_background}
+    options = {"age": age, "gender": gender, "artistic_background": artistic_background}
+    said = {key: value for key, value in options.items() if value is not None}
     with Store.open(data) as store:
         session = runner.run_lab(
             loaded,
             stimulus_set,
             store,
-            demographics={key: value for key, value in said.items() if value is not None},
+            demographics=said or None,
             folder=folder,
             participant=participant,
             participant_number=participant_number,
@@ -221,7 +225,7 @@ def run_lab(
             announce=typer.echo,
         )
     if session is None:
-        typer.echo("no consent, nothing stored")
+        typer.echo("nobody agreed to take part, nothing stored")
     else:
         ended = (
             "left early; the same command goes on" if session.completed_at is None else "completed"

@@ -34,9 +34,19 @@ class Release:
     time_s: float
 
 
+@dataclass(frozen=True)
+class Typed:
+    """A character that was typed."""
+
+    character: str
+
+
 Press = KeyPress | Click | Release
 
-KEYS = ("escape", "enter", "space", "equal", "left", "right", "up", "down")
+KEYS = (
+    *("escape", "enter", "space", "equal", "left", "right", "up", "down"),
+    *("tab", "backspace"),
+)
 
 
 class Presses:
@@ -61,11 +71,12 @@ class Presses:
         self._height_px = height_px
         self._time_s = time_s
         self._keys = _key_names()
-        self._waiting: list[Press] = []
+        self._waiting: list[Press | Typed] = []
         self.pointer_px = (0, 0)
         """Where the pointer is, counted from the window's upper left corner."""
         pyglet_window.push_handlers(
             on_key_press=self._on_key,
+            on_text=self._on_text,
             on_mouse_press=self._on_click,
             on_mouse_release=self._on_release,
             on_mouse_drag=self._on_drag,
@@ -74,6 +85,10 @@ class Presses:
 
     def take(self) -> list[Press]:
         """Return what was pressed since the last call, oldest first."""
+        return [press for press in self.take_typed() if not isinstance(press, Typed)]
+
+    def take_typed(self) -> list[Press | Typed]:
+        """Return what was pressed since the last call with the characters that keys stand for."""
         taken, self._waiting = self._waiting, []
         return taken
 
@@ -81,6 +96,9 @@ class Presses:
         key = self._keys.get(symbol)
         if key is not None:
             self._waiting.append(KeyPress(key, self._time_s()))
+
+    def _on_text(self, characters: str) -> None:
+        self._waiting += [Typed(each) for each in characters if each.isprintable()]
 
     def _on_click(self, x_px: int, y_px: int, button: int, _modifiers: int) -> None:
         if button == _LEFT_BUTTON:

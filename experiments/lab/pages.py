@@ -128,16 +128,24 @@ def show_feedback(
 
 def heading(window: LabWindow, text: str) -> Drawable:
     """Prepare the line above a stimulus."""
-    return _line(window, text, HEADING_BAND / 2, _LINE)
+    return line(window, text, HEADING_BAND / 2, _LINE)
 
 
 def footing(window: LabWindow, text: str) -> Drawable:
     """Prepare a page's last line, which says which keys do what."""
-    return _line(window, text, 1 - FOOTING_BAND / 2, 0.8 * _LINE)
+    return line(window, text, 1 - FOOTING_BAND / 2, 0.8 * _LINE)
 
 
-def _line(window: LabWindow, text: str, y: float, size: float) -> Drawable:
-    """Set one line in the middle, smaller where it would be wider than the window."""
+def line(window: LabWindow, text: str, y: float, size: float) -> Drawable:
+    """Set one line in the middle, smaller where it would be wider than the window.
+
+    Parameters
+    ----------
+    window, text
+        Where, and what it says.
+    y, size
+        How far down its middle lies, and how high its letters are: shares of the window's height.
+    """
     size_px = min(size * window.height_px, _WIDEST_LINE * window.width_px / len(text))
     return window.text(text, window.width_px / 2, y * window.height_px, size_px)
 

@@ -8,8 +8,8 @@ from typing import Any
 from algorithms.errors import InputError
 from algorithms.files import make_folder
 from experiments.answers import make_response
-from experiments.demographics import check_demographics
 from experiments.lab import pages
+from experiments.lab.arrival import ask_entrant, check_number, known_entrant
 from experiments.lab.opening import open_window
 from experiments.lab.pages import Page, show_page
 from experiments.lab.pictures import Picture
@@ -21,7 +21,7 @@ from experiments.lab.texts import text
 from experiments.lab.window import LabWindow, WindowSettings
 from experiments.responses import Session
 from experiments.right_answers import right_answer
-from experiments.store import NewSession, Store, check_participant
+from experiments.store import NewSession, Store
 from experiments.study import Study, check_stimuli
 from experiments.trials import Answer, Assignment, Trial, next_trial, planned_trials
 from stimuli.manifest import StimulusSet
@@ -32,7 +32,7 @@ def run_lab(
     stimuli: StimulusSet,
     store: Store,
     *,
-    demographics: Mapping[str, Any],
+    demographics: Mapping[str, Any] | None,
     folder: Path,
     participant: str | None = None,
     participant_number: int | None = None,
@@ -51,7 +51,8 @@ def run_lab(
         What is run, and where its answers are kept.
     demographics
         What the participant said of themself: the fields that the study asks for; not looked at
-        where an unfinished session goes on.
+        where an unfinished session goes on. None: a form in the window asks for them, and for the
+        participant.
     folder
         Where PsychoPy's own CSV and psydat files go.
     participant, participant_number
@@ -62,12 +63,13 @@ def run_lab(
     settings
         The window; None for a full screen.
     announce
-        Called with the name of each page and trial once it is on the screen (`consent`,
+        Called with the name of each page and trial once it is on the screen (`form`, `consent`,
         `instructions`, `trial 3`, `feedback 3`, `main`, `pause`, `thanks`).
 
     Returns
     -------
-    The session, complete or not; None if the participant did not agree to take part.
+    The session, complete or not; None if the participant did not agree to take part, or the form
+    was left.
 
     Raises
     ------
@@ -78,25 +80,26 @@ def run_lab(
         If PsychoPy or a display is missing.
     """
     check_stimuli(study, stimuli)
-    earlier = unfinished_session(study, stimuli, store, participant)
-    asked: Mapping[str, Any] = {}
-    if earlier is None:
-        asked = check_demographics(study, demographics)
-        _check_number(study, store, participant_number)
+    entrant = known_entrant(study, stimuli, store, participant, demographics)
+    if entrant is None or entrant.earlier is None:
+        check_number(study, store, participant_number)
     make_folder(folder)
     store.register(study, stimuli)
     with open_window(settings or WindowSettings(), announce) as window:
         _check_size(study, window)
-        if earlier is not None:
-            session = _taken_up(store, earlier, window)
+        entrant = entrant or ask_entrant(window, study, stimuli, store, participant)
+        if entrant is None:
+            return None
+        if entrant.earlier is not None:
+            session = _taken_up(store, entrant.earlier, window)
         elif show_page(window, pages.consent_page(study), ("enter", "escape")) == "enter":
             new = NewSession(
                 runner="lab",
                 device=window.device,
-                demographics=asked,
+                demographics=entrant.demographics,
                 screen=window.screen,
                 pilot=pilot,
-                participant=participant,
+                participant=entrant.participant,
                 participant_number=participant_number,
             )
             session, _ = store.begin_session(study, stimuli, new)
@@ -106,45 +109,6 @@ def run_lab(
         view = view_of(window, study, stimuli)
         _Run(study, stimuli, store, session, window, view, files).to_the_end()
     return store.session(session.id)
-
-
-def unfinished_session(
-    study: Study, stimuli: StimulusSet, store: Store, participant: str | None
-) -> Session | None:
-    """Return the session that a participant can take up again, or None for a new participant.
-
-    Raises
-    ------
-    InputError
-        If the participant has finished, or began with another runner, study version or stimuli,
-        or is not a name that is accepted.
-    """
-    if participant is None:
-        return None
-    check_participant(participant)
-    sessions = store.sessions(study=study.name)
-    session = next((each for each in sessions if each.participant == participant), None)
-    if session is None:
-        return None
-    if session.completed_at is not None:
-        raise InputError(f"participant: {participant} has already finished {study.name}")
-    if session.runner != "lab":
-        raise InputError(f"participant: {participant} has begun {study.name} with another runner")
-    if (session.study_digest, session.stimuli_digest) != (study.digest, stimuli.digest):
-        raise InputError(
-            f"participant: {participant} has begun {study.name} with another version of the study"
-            " or its stimuli"
-        )
-    return session
-
-
-def _check_number(study: Study, store: Store, number: int | None) -> None:
-    taken = {session.participant_number for session in store.sessions(study=study.name)}
-    if number is not None and (number < 1 or number in taken):
-        raise InputError(
-            f"participant_number: {number} given; 1 or more and not taken by another participant"
-            " accepted"
-        )
 
 
 def _check_size(study: Study, window: LabWindow) -> None:

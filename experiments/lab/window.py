@@ -11,7 +11,7 @@ from PIL import Image
 
 from algorithms.errors import InputError
 from experiments.lab.geometry import Area
-from experiments.lab.inputs import Press, Presses
+from experiments.lab.inputs import Press, Presses, Typed
 
 BACKGROUND_RGB = (128, 128, 128)
 """The surround of every page and image, sRGB values 0 to 255: the web's mid-grey."""
@@ -277,6 +277,10 @@ class LabWindow:
     def take_presses(self) -> list[Press]:
         """Return what was pressed since the last call, oldest first; known once a frame."""
         return self._presses.take()
+
+    def take_typed(self) -> list[Press | Typed]:
+        """Return what was pressed since the last call with the characters that keys stand for."""
+        return self._presses.take_typed()
 
     @property
     def pointer_px(self) -> tuple[int, int]:

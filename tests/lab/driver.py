@@ -75,7 +75,7 @@ class Sitting:
     folder: Path
     participant: str | None = "P0001"
     participant_number: int | None = None
-    demographics: Mapping[str, Any] = field(default_factory=lambda: DEMOGRAPHICS)
+    demographics: Mapping[str, Any] | None = field(default_factory=lambda: DEMOGRAPHICS)
     settings: Mapping[str, Any] = field(default_factory=dict)
 
 

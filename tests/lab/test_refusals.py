@@ -9,8 +9,9 @@ from typing import Any
 import pytest
 
 from algorithms.errors import InputError, UnavailableError
+from experiments.lab.arrival import unfinished_session
 from experiments.lab.opening import open_window
-from experiments.lab.runner import run_lab, unfinished_session
+from experiments.lab.runner import run_lab
 from experiments.lab.window import WindowSettings
 from experiments.store import NewSession, Store
 from experiments.study import Study

@@ -11,7 +11,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from numpy.typing import NDArray
+from scipy import ndimage
 
+from experiments.lab.buttons import BUTTON_RGB
 from experiments.responses import load_responses
 from experiments.store import Store
 from tests.lab.driver import Display, Sitting, image_area, start, take_study
@@ -70,6 +72,58 @@ def test_without_consent_nothing_of_the_participant_is_stored(
     with Store.open(sitting.store, must_exist=True) as store:
         assert (store.sessions(), store.responses(), store.events()) == ([], [], [])
     assert list(sitting.folder.iterdir()) == []
+
+
+def test_the_form_asks_what_the_study_declares_and_stores_nothing_when_it_is_left(
+    display: Display, sitting: Sitting
+) -> None:
+    """Filled in by keyboard and mouse; what is missing or wrong is pointed out in the form."""
+    asked = replace(sitting, participant=None, demographics=None)
+    with start(display, asked, asked) as lab:
+        assert lab.next_page() == "form"
+        display.do("type", "P7")
+        display.press("Escape")
+        assert lab.next_page() == "left"
+        with Store.open(sitting.store, must_exist=True) as store:
+            assert (store.sessions(), store.responses(), store.events()) == ([], [], [])
+        assert lab.next_page() == "form"
+        before = display.screenshot()
+        display.do("key", "Return")
+        assert lab.is_quiet(0.3)  # no age
+        assert (display.screenshot() != before).any()
+        display.do("type", "121")
+        display.do("key", "Return")
+        assert lab.is_quiet(0.3)  # too old
+        display.do("key", "BackSpace", "BackSpace", "BackSpace")
+        display.do("type", "34")
+        display.do("key", "Tab", "Right", "Right")
+        display.do("key", "Down")
+        display.click(*middles_of_boxes(display)[-1])
+        display.do("key", "Down")
+        display.do("type", "P 8")
+        display.do("key", "Return")
+        assert lab.is_quiet(0.3)  # no name
+        display.do("key", "BackSpace", "BackSpace")
+        display.do("type", "8")
+        display.do("key", "Return")
+        for page in ("consent", "instructions", "pause"):
+            assert lab.next_page() == page
+            display.press("Return" if page == "consent" else "Escape")
+        assert lab.next_page() == "left"
+    with Store.open(sitting.store, must_exist=True) as store:
+        (session,) = store.sessions()
+    assert session.participant == "P8"
+    assert session.demographics == {"age": 34, "gender": "male", "artistic_background": False}
+
+
+def middles_of_boxes(display: Display) -> list[tuple[int, int]]:
+    """Return the middle of each field's or answer's box in the form, from top left."""
+    labels, _ = ndimage.label((display.screenshot() == BUTTON_RGB).all(axis=2))
+    return [
+        ((box[1].start + box[1].stop) // 2, (box[0].start + box[0].stop) // 2)
+        for box in ndimage.find_objects(labels)
+        if box[1].stop - box[1].start > 100
+    ]
 
 
 @pytest.mark.parametrize("size_px", [None, (301, 223)], ids=["as stored", "shrunk"])
