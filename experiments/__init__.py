@@ -1,8 +1,9 @@
 """Studies: their design, the answers people give, and the runners that collect them."""
 
+from experiments.course import next_trial
 from experiments.responses import Response, load_responses
 from experiments.study import Study, load_study
-from experiments.trials import Assignment, Trial, next_trial, planned_trials
+from experiments.trials import Assignment, Trial, planned_trials
 
 __all__ = [
     "Assignment",

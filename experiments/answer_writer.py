@@ -9,7 +9,7 @@ import threading
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future
 from queue import Empty, SimpleQueue
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import sqlalchemy as sa
 from sqlalchemy.dialects import postgresql, sqlite
@@ -17,13 +17,21 @@ from sqlalchemy.engine import Connection, Engine
 
 from algorithms.errors import InputError
 from experiments import tables
-from experiments.responses import Response
+from experiments.responses import DECISION, Response
 
 # A repeated post is the same answer if it agrees in these.
 _IDENTITY: Final = ("participant", "session", "trial_index", "stimuli", "answer")
 _LARGEST_GROUP: Final = 500
 
-_Waiting = tuple[Response, "Future[bool]"]
+Detail = Mapping[str, Any]
+
+
+class _Waiting(NamedTuple):
+    """An answer that is to be stored, and why its trial was chosen."""
+
+    response: Response
+    decision: Detail | None
+    future: "Future[bool]"
 
 
 class ConflictError(InputError):
@@ -50,8 +58,8 @@ class AnswerWriter:
         self._starting = threading.Lock()
         self._closed = False
 
-    def submit(self, response: Response) -> "Future[bool]":
-        """Hand in an answer.
+    def submit(self, response: Response, decision: Detail | None = None) -> "Future[bool]":
+        """Hand in an answer, and why its trial was chosen if answers before it decided that.
 
         Returns
         -------
@@ -66,7 +74,7 @@ class AnswerWriter:
             if self._thread is None:
                 self._thread = threading.Thread(target=self._run, name="answers", daemon=True)
                 self._thread.start()
-            self._waiting.put((response, future))
+            self._waiting.put(_Waiting(response, decision, future))
         return future
 
     def close(self) -> None:
@@ -101,23 +109,27 @@ class AnswerWriter:
     def _store(self, group: Sequence[_Waiting]) -> None:
         try:
             with self._engine.begin() as connection:
-                outcomes = _insert(connection, [response for response, _ in group])
+                outcomes = _insert(connection, [each.response for each in group])
+                new = [
+                    each for each, outcome in zip(group, outcomes, strict=True) if outcome is True
+                ]
+                _log_decisions(connection, new)
         except sa.exc.IntegrityError as error:
             # One answer that the database refuses must not take the others with it.
             if len(group) == 1:
-                group[0][1].set_exception(_explained(error))
+                group[0].future.set_exception(_explained(error))
                 return
             for each in group:
                 self._store([each])
         except BaseException as error:  # whoever waits must hear of it
-            for _, future in group:
-                future.set_exception(error)
+            for each in group:
+                each.future.set_exception(error)
         else:
-            for (_, future), outcome in zip(group, outcomes, strict=True):
+            for each, outcome in zip(group, outcomes, strict=True):
                 if isinstance(outcome, ConflictError):
-                    future.set_exception(outcome)
+                    each.future.set_exception(outcome)
                 else:
-                    future.set_result(outcome)
+                    each.future.set_result(outcome)
 
 
 def _insert(connection: Connection, group: Sequence[Response]) -> list[bool | ConflictError]:
@@ -139,6 +151,21 @@ def _insert(connection: Connection, group: Sequence[Response]) -> list[bool | Co
         True if place in new else _compared(response, stored[response.id])
         for place, response in enumerate(group)
     ]
+
+
+def _log_decisions(connection: Connection, new: Sequence[_Waiting]) -> None:
+    rows = [
+        {
+            "session": each.response.session,
+            "kind": DECISION,
+            "detail": dict(each.decision),
+            "recorded_at": each.response.recorded_at,
+        }
+        for each in new
+        if each.decision is not None
+    ]
+    if rows:
+        connection.execute(tables.events.insert(), rows)
 
 
 def _stored(connection: Connection, identifiers: set[str]) -> dict[str, Mapping[str, Any]]:

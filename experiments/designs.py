@@ -17,7 +17,9 @@ Shown = tuple[str, ...]
 
 def arrange(study: Study, stimuli: Sequence[Stimulus]) -> list[Shown]:
     """Return all presentations of a study's design, in the order of the set."""
-    return {"factorial": _single, "pairs": _pairs, "sets": _sets}[study.design.kind](study, stimuli)
+    return {"pairs": _pairs, "active-pairs": _pairs, "sets": _sets}.get(study.design.kind, _single)(
+        study, stimuli
+    )
 
 
 def catch_comparisons(
@@ -42,7 +44,9 @@ def catch_comparisons(
     possible: list[Shown] = []
     for group in groups.values():
         if catch.better in group and catch.worse in group:
-            wanted = (catch.better, catch.worse) if study.design.kind == "pairs" else tuple(group)
+            wanted = (
+                (catch.better, catch.worse) if study.task == "two-alternative" else tuple(group)
+            )
             possible.append(tuple(group[name].id for name in wanted))
     if len(possible) < catch.trials:
         raise InputError(

@@ -5,16 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike, NDArray
-from scipy.special import ndtr, ndtri
+from numpy.typing import NDArray
 
 from algorithms.errors import InputError
+from experiments.psychometric import psychometric_function, sigmoid
 from experiments.responses import now, response_id
 from experiments.study import Study
 from experiments.trials import Assignment, Trial, planned_trials
 from stimuli.manifest import Stimulus, StimulusSet
 
-_WIDTH_IN_DEVIATIONS = ndtri(0.95) - ndtri(0.05)
+__all__ = ["Observer", "psychometric_function", "simulate_responses"]
 
 Floats = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -116,23 +116,6 @@ class Observer:
         )
 
 
-def psychometric_function(
-    level: ArrayLike, threshold: ArrayLike, width: float, guess_rate: float, lapse_rate: float
-) -> Floats:
-    """Return the probability of a right answer: g + (1 - g - l) F(level).
-
-    Parameters
-    ----------
-    level, threshold
-        In the same unit; they are broadcast against each other.
-    width
-        From F = 5 % to F = 95 %, in that unit.
-    guess_rate, lapse_rate
-        The lower asymptote, and the distance of the upper one from 1.
-    """
-    return guess_rate + (1 - guess_rate - lapse_rate) * _sigmoid(level, threshold, width)
-
-
 def simulate_responses(
     study: Study,
     stimuli: StimulusSet,
@@ -195,7 +178,7 @@ def _answer_all(
     observer: Observer, choices: int, shown: _Shown, generator: np.random.Generator
 ) -> tuple[Labels, Floats]:
     guess_rate = 1 / choices
-    notice_rate = (1 - observer.lapse_rate / (1 - guess_rate)) * _sigmoid(
+    notice_rate = (1 - observer.lapse_rate / (1 - guess_rate)) * sigmoid(
         shown.level, shown.threshold, observer.width
     )
     size = len(shown.level)
@@ -204,12 +187,6 @@ def _answer_all(
     labels = np.where(noticed, shown.odd, guesses)
     medians_s = np.where(noticed, observer.noticed_time_s, observer.guessed_time_s)
     return labels, medians_s * generator.lognormal(0, observer.time_spread, size)
-
-
-def _sigmoid(level: ArrayLike, threshold: ArrayLike, width: float) -> Floats:
-    distance = np.asarray(level, np.float64) - np.asarray(threshold, np.float64)
-    below: Floats = ndtr(_WIDTH_IN_DEVIATIONS * distance / width)
-    return below
 
 
 def _shares(observer: Observer, choices: int) -> Floats:

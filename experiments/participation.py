@@ -8,13 +8,8 @@ from sqlalchemy.engine import Connection
 
 from algorithms.errors import InputError
 from experiments import tables
-from experiments.responses import Event, now
+from experiments.responses import EXCLUSION, WITHDRAWAL, Event, now
 from experiments.store import Store
-
-EXCLUSION: Final = "exclusion"
-WITHDRAWAL: Final = "withdrawal"
-RESERVED_KINDS: Final = (EXCLUSION, WITHDRAWAL)
-"""Kinds of event that no participant's browser may send."""
 
 _LONGEST_REASON: Final = 500
 

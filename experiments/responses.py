@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from experiments.trials import Answer, Phase
 
@@ -15,6 +15,16 @@ if TYPE_CHECKING:
 
 Input = Literal["mouse", "touch", "keyboard", "none"]
 Runner = Literal["web", "lab", "simulation"]
+
+EXCLUSION: Final = "exclusion"
+WITHDRAWAL: Final = "withdrawal"
+POOL: Final = "pool"
+DECISION: Final = "decision"
+ESTIMATES: Final = "estimates"
+RESERVED_KINDS: Final = (EXCLUSION, WITHDRAWAL, POOL, DECISION, ESTIMATES)
+"""Kinds of event that no participant's browser may send: what the researcher or the participant did
+to a session, and of adaptive designs what it was told when it began (`pool`), why each trial was
+chosen (`decision`) and what the answers told in the end (`estimates`)."""
 
 # What differs between two runs of the same trials with the same answers.
 TIMING_COLUMNS = (

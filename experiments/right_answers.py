@@ -1,7 +1,7 @@
 """Which answer to a trial is right, where one is."""
 
+from experiments.presentations import Answer, Trial
 from experiments.study import Study
-from experiments.trials import Answer, Trial
 from stimuli.manifest import StimulusSet
 
 

@@ -18,7 +18,8 @@ from experiments import tables
 from experiments.answer_writer import AnswerWriter, ConflictError, WithdrawnError
 from experiments.database import open_database, reading, take_turns
 from experiments.designs import next_number, order_rows
-from experiments.responses import Event, Response, Runner, Session, now
+from experiments.pool import collect_pool, needs_pool, pool_detail
+from experiments.responses import ESTIMATES, POOL, Event, Response, Runner, Session, now
 from experiments.study import Study
 from experiments.trials import Answer
 from stimuli.manifest import StimulusSet
@@ -188,6 +189,9 @@ class Store:
                 raise InputError(
                     f"participant: {participant} (number {number}) already has a session"
                 ) from None
+            if needs_pool(study):
+                pool = pool_detail(collect_pool(connection, session))
+                _add_event(connection, session.id, POOL, pool)
         return session, token
 
     def session(self, identifier: str) -> Session | None:
@@ -207,8 +211,10 @@ class Store:
             return None
         return _session_of(row)
 
-    def record(self, response: Response) -> bool:
+    def record(self, response: Response, decision: Mapping[str, Any] | None = None) -> bool:
         """Store an answer for good; True if it is new, False if it was there already.
+
+        With it is stored why its trial was chosen, where the design is adaptive.
 
         Raises
         ------
@@ -217,14 +223,16 @@ class Store:
         WithdrawnError
             If the participant has withdrawn.
         """
-        return self._writer.submit(response).result()
+        return self._writer.submit(response, decision).result()
 
-    def submit(self, response: Response) -> "Future[bool]":
+    def submit(
+        self, response: Response, decision: Mapping[str, Any] | None = None
+    ) -> "Future[bool]":
         """Begin to `record` an answer; the result comes once the answer is on the disk.
 
         Answers that wait at the same time share a commit, so that many can be stored a second.
         """
-        return self._writer.submit(response)
+        return self._writer.submit(response, decision)
 
     def answers(self, session: str) -> dict[int, Answer]:
         """Return a session's stored answers by trial index."""
@@ -258,8 +266,11 @@ class Store:
         with self._reading.begin() as connection:
             return int(connection.execute(query).scalar_one())
 
-    def complete(self, session: str) -> str:
-        """Mark a session as complete and return its completion code; the same one ever after."""
+    def complete(self, session: str, estimates: Mapping[str, Any] | None = None) -> str:
+        """Mark a session as complete and return its completion code; the same one ever after.
+
+        With it is stored what the answers told in the end, where the design is adaptive.
+        """
         with self.engine.begin() as connection:
             take_turns(connection)
             code = connection.execute(
@@ -272,16 +283,14 @@ class Store:
                     .where(tables.sessions.c.id == session)
                     .values(completed_at=now(), completion_code=code)
                 )
+                if estimates is not None:
+                    _add_event(connection, session, ESTIMATES, estimates)
             return str(code)
 
     def add_event(self, session: str, kind: str, detail: Mapping[str, Any]) -> None:
         """Keep something that happened to a session."""
         with self.engine.begin() as connection:
-            connection.execute(
-                tables.events.insert().values(
-                    session=session, kind=kind, detail=dict(detail), recorded_at=now()
-                )
-            )
+            _add_event(connection, session, kind, detail)
 
     def responses(self, *, study: str | None = None) -> list[Response]:
         """Return all responses (of a study), in the order of session and trial."""
@@ -306,9 +315,15 @@ class Store:
         with self._reading.begin() as connection:
             return [_session_of(row) for row in connection.execute(query)]
 
-    def events(self, *, study: str | None = None) -> list[Event]:
-        """Return all events (of a study's sessions), in the order of their recording."""
-        query = sa.select(tables.events).order_by(tables.events.c.number)
+    def events(
+        self, *, study: str | None = None, session: str | None = None, kind: str | None = None
+    ) -> list[Event]:
+        """Return all events (of a study's sessions, a session, a kind), as they were recorded."""
+        columns = tables.events.c
+        query = sa.select(tables.events).order_by(columns.number)
+        for column, wanted in ((columns.session, session), (columns.kind, kind)):
+            if wanted is not None:
+                query = query.where(column == wanted)
         if study is not None:
             query = query.join(tables.sessions).where(tables.sessions.c.study == study)
         with self._reading.begin() as connection:
@@ -345,6 +360,11 @@ def _next_number(connection: Connection, study: Study, stimuli: StimulusSet) -> 
     )
     taken = {number: bool(completed) for number, completed in connection.execute(every)}
     return next_number(taken, rows)
+
+
+def _add_event(connection: Connection, session: str, kind: str, detail: Mapping[str, Any]) -> None:
+    row = {"session": session, "kind": kind, "detail": dict(detail), "recorded_at": now()}
+    connection.execute(tables.events.insert().values(row))
 
 
 def _session_of(row: sa.Row[tuple[Any, ...]]) -> Session:

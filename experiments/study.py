@@ -32,16 +32,23 @@ from stimuli.manifest import Factor, Role, Stimulus, StimulusSet, first_fault
 __all__ = ["READY_MADE", "Exclusion", "Study", "Task", "check_stimuli", "chosen", "load_study"]
 
 # A task compares single images, pairs of them, or whole sets.
-_DESIGN_OF_TASK: dict[Task, str] = {
-    "odd-one-out": "factorial",
-    "yes-no": "factorial",
-    "two-alternative": "pairs",
-    "ranking": "sets",
+_DESIGNS_OF_TASK: dict[Task, tuple[str, ...]] = {
+    "odd-one-out": ("factorial", "staircase", "quest-plus"),
+    "yes-no": ("factorial", "staircase", "quest-plus"),
+    "two-alternative": ("pairs", "active-pairs"),
+    "ranking": ("sets",),
 }
 # Keys and parts that came after the first studies were run.
 _LATER_KEYS = {
     "stimuli": ("made_by", "item", "within", "only"),
-    "design": ("one_of_each", "distinct", "blocks"),
+    "design": (
+        "one_of_each",
+        "distinct",
+        "blocks",
+        "staircase",
+        "quest_plus",
+        "active_pairs",
+    ),
     "practice": ("best_first",),
     "timing": ("image_s", "mask_s"),
     "exclusion": ("catch_level", "least_catch_share", "largest_late_share"),
@@ -126,11 +133,14 @@ class Study(Part):
     @model_validator(mode="after")
     def _check_task(self) -> Self:
         """Refuse what the task needs and the study lacks, and what the task has no use for."""
-        wanted = _DESIGN_OF_TASK[self.task]
-        if self.design.kind != wanted:
+        wanted = _DESIGNS_OF_TASK[self.task]
+        if self.design.kind not in wanted:
             raise ValueError(
-                f"design.kind: {self.design.kind!r} given, the task {self.task} takes {wanted!r}"
+                f"design.kind: {self.design.kind!r} given, the task {self.task} takes"
+                f" {' or '.join(map(repr, wanted))}"
             )
+        if self.design.kind in ("staircase", "quest-plus") and self.stimuli.level is None:
+            raise ValueError(f"stimuli.level: missing; a {self.design.kind} chooses its levels")
         chooses = self.task == "odd-one-out"
         for key, given, needed in (
             ("choices", self.stimuli.choices, chooses),
@@ -140,7 +150,7 @@ class Study(Part):
                 raise ValueError(f"stimuli.{key}: missing")
             if not needed and given is not None:
                 raise ValueError(f"stimuli.{key}: the task {self.task} has no use for it")
-        if self.stimuli.within and wanted == "factorial":
+        if self.stimuli.within and "factorial" in wanted:
             raise ValueError(f"stimuli.within: the task {self.task} has no use for it")
         return self
 

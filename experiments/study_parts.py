@@ -61,6 +61,82 @@ class Stimuli(Part):
     encoding: Literal["srgb"] = "srgb"
 
 
+class Staircase(Part):
+    """How the level of the next trial follows from the last answers, in each track.
+
+    Attributes
+    ----------
+    down, up
+        So many right answers in a row make it harder, so many wrong ones easier.
+    steps
+        How many levels of the set each change goes, the next one after each reversal.
+    up_factor
+        How many times as far it goes up as down.
+    start
+        The level of the first trial, the nearest that there is; None: the largest.
+    reversals
+        A track ends with so many changes of direction, or None;
+    trials
+        at the latest after so many trials.
+    """
+
+    down: int = Field(default=2, ge=1, le=10)
+    up: int = Field(default=1, ge=1, le=10)
+    steps: tuple[Annotated[int, Field(ge=1, le=100)], ...] = Field(default=(2, 1), min_length=1)
+    up_factor: int = Field(default=1, ge=1, le=20)
+    start: float | None = Field(default=None, allow_inf_nan=False)
+    reversals: int | None = Field(default=None, ge=1, le=1000)
+    trials: int = Field(default=40, ge=1, le=1000)
+
+
+class QuestPlus(Part):
+    """What is thought possible of the psychometric function of each track, and when it is known.
+
+    Attributes
+    ----------
+    thresholds
+        How many thresholds, evenly from the smallest to the largest level, all equally likely.
+    widths
+        The widths (from 5 % to 95 %), in the level's unit; none: an eighth to all of that range.
+    lapse_rates
+        The shares of wrong answers however clear the difference.
+    sd
+        A track ends once the standard deviation of its threshold is at most this, or None;
+    trials
+        at the latest after so many trials.
+    """
+
+    thresholds: int = Field(default=61, ge=2, le=1000)
+    widths: tuple[Annotated[float, Field(gt=0, allow_inf_nan=False)], ...] = Field(
+        default=(), max_length=100
+    )
+    lapse_rates: tuple[Annotated[float, Field(ge=0, lt=0.5)], ...] = Field(
+        default=(0.02,), min_length=1, max_length=20
+    )
+    sd: float | None = Field(default=None, gt=0)
+    trials: int = Field(default=40, ge=1, le=1000)
+
+
+class ActivePairs(Part):
+    """How pairs are chosen by what is known already.
+
+    Attributes
+    ----------
+    trials
+        How many pairs a participant compares, catch trials not counted.
+    each_image
+        Until every image has been compared so often, by all participants together, those that
+        lack most come first; then the most informative pairs.
+    spread
+        The standard deviation of the images' qualities that is expected, in just-objectionable
+        differences.
+    """
+
+    trials: int = Field(ge=1, le=1000)
+    each_image: int = Field(default=2, ge=0, le=1000)
+    spread: float = Field(default=2.0, gt=0, le=100)
+
+
 class Design(Part):
     """The order of the main trials.
 
@@ -69,7 +145,9 @@ class Design(Part):
     kind
         `factorial`: every main stimulus; `pairs`: every pair of items within the same levels of
         the other factors, left and right balanced; `sets`: all such items at once. The order is
-        another one for every participant.
+        another one for every participant. Adaptive, by the answers so far: `staircase` and
+        `quest-plus` choose among the set's levels in one track for each combination of
+        `stimuli.conditions`, in random turns; `active-pairs` chooses pairs.
     repeats
         How often each stimulus, pair or set is shown; no image follows itself where that can be.
     one_of_each, distinct
@@ -80,14 +158,41 @@ class Design(Part):
         participants every level comes equally often in every place and after every other.
     seed
         With the participant's number it fixes every order.
+    staircase, quest_plus, active_pairs
+        The rules of the adaptive kind of that name.
     """
 
-    kind: Literal["factorial", "pairs", "sets"] = "factorial"
+    kind: Literal["factorial", "pairs", "sets", "staircase", "quest-plus", "active-pairs"] = (
+        "factorial"
+    )
     repeats: int = Field(default=1, ge=1, le=100)
     one_of_each: str | None = None
     distinct: str | None = None
     blocks: str | None = None
     seed: int = Field(ge=0)
+    staircase: Staircase | None = None
+    quest_plus: QuestPlus | None = None
+    active_pairs: ActivePairs | None = None
+
+    @property
+    def is_adaptive(self) -> bool:
+        """Whether what is shown depends on the answers."""
+        return self.kind in ("staircase", "quest-plus", "active-pairs")
+
+    @model_validator(mode="after")
+    def _check_rules(self) -> Self:
+        """Refuse rules of another kind of design, and what an adaptive one has no use for."""
+        for key in ("staircase", "quest_plus", "active_pairs"):
+            if getattr(self, key) is not None and self.kind != key.replace("_", "-"):
+                raise ValueError(f"design.{key}: a design of kind {self.kind!r} has no use for it")
+        if self.kind == "active-pairs" and self.active_pairs is None:
+            raise ValueError("design.active_pairs: missing")
+        for key in ("one_of_each", "distinct", "blocks"):
+            if self.is_adaptive and getattr(self, key) is not None:
+                raise ValueError(f"design.{key}: a design of kind {self.kind!r} has no use for it")
+        if self.kind in ("staircase", "quest-plus") and self.repeats != 1:
+            raise ValueError(f"design.repeats: a design of kind {self.kind!r} has no use for it")
+        return self
 
 
 class Practice(Part):

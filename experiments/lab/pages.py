@@ -63,7 +63,9 @@ def main_page(study: Study, trials: int) -> Page:
     """Return the page between practice and main trials."""
     paragraphs = (
         text(study, "main.title"),
-        text(study, "main.text", trials=trials),
+        text(
+            study, "main.text_at_most" if study.design.is_adaptive else "main.text", trials=trials
+        ),
         text(study, "main.pause"),
     )
     return Page("main", paragraphs, text(study, "begin.prompt"))

@@ -7,7 +7,8 @@ from typing import Any
 
 from algorithms.errors import InputError
 from algorithms.files import make_folder
-from experiments.answers import make_response
+from experiments.answers import response_in
+from experiments.course import Course, course_of
 from experiments.lab import pages
 from experiments.lab.arrival import ask_entrant, check_number, known_entrant
 from experiments.lab.opening import open_window
@@ -19,11 +20,12 @@ from experiments.lab.task_view import TaskView
 from experiments.lab.tasks import view_of
 from experiments.lab.texts import text
 from experiments.lab.window import LabWindow, WindowSettings
-from experiments.responses import Session
+from experiments.pool import assignment_of
+from experiments.responses import POOL, Session
 from experiments.right_answers import right_answer
 from experiments.store import NewSession, Store
 from experiments.study import Study, check_stimuli
-from experiments.trials import Answer, Assignment, Trial, next_trial, planned_trials
+from experiments.trials import Answer, Assignment, Trial
 from stimuli.manifest import StimulusSet
 
 
@@ -80,6 +82,7 @@ def run_lab(
         If PsychoPy or a display is missing.
     """
     check_stimuli(study, stimuli)
+    course_of(study, stimuli, Assignment(1))  # a design that the stimuli do not allow is refused
     entrant = known_entrant(study, stimuli, store, participant, demographics)
     if entrant is None or entrant.earlier is None:
         check_number(study, store, participant_number)
@@ -107,7 +110,10 @@ def run_lab(
             return None
         files = PsychoPyFiles(folder, study, session, window.refresh_hz)
         view = view_of(window, study, stimuli)
-        _Run(study, stimuli, store, session, window, view, files).to_the_end()
+        events = store.events(session=session.id, kind=POOL)
+        answers = store.answers(session.id)
+        course = course_of(study, stimuli, assignment_of(session, events), answers)
+        _Run(study, stimuli, store, session, window, view, files, course).to_the_end()
     return store.session(session.id)
 
 
@@ -142,18 +148,18 @@ class _Run:
     window: LabWindow
     view: TaskView[Any]
     files: PsychoPyFiles
+    course: Course
 
     def to_the_end(self) -> None:
         """Show all that is left of the session, or leave early at the participant's wish."""
-        answers = self.store.answers(self.session.id)
-        self._load(answers)
+        self._load()
         try:
-            if len(answers) < len(self._planned()):
+            if self.course.next is not None:
                 self._explain()
-            self._show_trials(answers)
+            self._show_trials()
         except _Left:
             return
-        code = self.store.complete(self.session.id)
+        code = self.store.complete(self.session.id, self.course.estimates())
         show_page(self.window, pages.thanks_page(self.study, code))
 
     def _explain(self) -> None:
@@ -163,33 +169,23 @@ class _Run:
         page = pages.instructions_page(self.study, how_to, with_example=example is not None)
         self._show_or_pause(page, example)
 
-    def _show_trials(self, answers: dict[int, Answer]) -> None:
+    def _show_trials(self) -> None:
         surround = prepare_surround(self.window, self.study.question)
         before: Trial | None = None
-        while (trial := self._next_trial(answers)) is not None:
+        while (trial := self.course.next) is not None:
             if before is not None and before.phase == "practice" != trial.phase:
-                left = len(self._planned()) - trial.index
+                left = self.course.limit - trial.index
                 self._show_or_pause(pages.main_page(self.study, left))
             outcome = self._present(trial, surround)
             self._record(trial, outcome)
-            answers[trial.index] = outcome.answer
+            self.course.take(trial.index, outcome.answer)
             if trial.feedback:
                 self._give_feedback(trial, outcome.answer)
             before = trial
 
-    def _planned(self) -> tuple[Trial, ...]:
-        return planned_trials(self.study, self.stimuli, self._assignment())
-
-    def _assignment(self) -> Assignment:
-        return Assignment(self.session.participant_number)
-
-    def _next_trial(self, answers: Mapping[int, Answer]) -> Trial | None:
-        return next_trial(self.study, self.stimuli, self._assignment(), answers)
-
-    def _load(self, answers: Mapping[int, Answer]) -> None:
-        """Load every stimulus that is still to be shown onto the graphics card."""
-        trials = [trial for trial in self._planned() if trial.index not in answers]
-        left = {identifier for trial in trials for identifier in trial.stimuli}
+    def _load(self) -> None:
+        """Load every stimulus that may still be shown onto the graphics card."""
+        left = self.course.possible
         for number, identifier in enumerate(sorted(left), start=1):
             self.view.load(identifier).draw()
             self.window.discard()
@@ -202,7 +198,7 @@ class _Run:
 
     def _present(self, trial: Trial, surround: Surround) -> Outcome:
         """Present a trial, again after each pause."""
-        done = trial.index / len(self._planned())
+        done = trial.index / self.course.limit
         timing, name = self.study.timing, f"trial {trial.index}"
         while True:
             shown = self.view.present(trial)
@@ -224,10 +220,15 @@ class _Run:
         self.store.add_event(self.session.id, "continue", {"at": place})
 
     def _record(self, trial: Trial, outcome: Outcome) -> None:
-        response = make_response(
-            self.study, self.stimuli, self.session, trial.index, outcome.answer, outcome.measured
+        response = response_in(
+            self.course.trials,
+            self.study,
+            self.session,
+            trial.index,
+            outcome.answer,
+            outcome.measured,
         )
-        self.store.record(response)
+        self.store.record(response, self.course.decision(trial.index))
         self.files.add(response)
 
     def _give_feedback(self, trial: Trial, answer: Answer) -> None:

@@ -5,8 +5,10 @@ from pathlib import Path
 from fastapi import FastAPI
 from fastapi.staticfiles import StaticFiles
 
+from experiments.course import course_of
 from experiments.store import Store
 from experiments.study import Study, check_stimuli
+from experiments.trials import Assignment
 from experiments.web import participant, researcher
 from experiments.web.errors import add_error_handlers
 from experiments.web.exhibits import Exhibits
@@ -44,6 +46,7 @@ def create_app(
         of this name and version.
     """
     check_stimuli(study, stimuli)
+    course_of(study, stimuli, Assignment(1))  # a design that the stimuli do not allow is refused
     store.register(study, stimuli)
     exhibits = Exhibits(stimuli, server_secret(store))
     # No pages that describe the API: they would be one more thing that reaches participants.

@@ -5,8 +5,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator
 
 from experiments.answers import Measurement
-from experiments.participation import RESERVED_KINDS
-from experiments.responses import Input
+from experiments.responses import RESERVED_KINDS, Input
 from experiments.trials import Answer
 
 # Bounds only keep nonsense out of the store: no honest client comes near them.
@@ -77,7 +76,7 @@ class EventMessage(_Message):
     @classmethod
     def _not_the_researchers(cls, kind: str) -> str:
         if kind in RESERVED_KINDS:
-            raise ValueError(f"{kind!r} is for the researcher to say")
+            raise ValueError(f"{kind!r} is not for participants to say")
         return kind
 
 

@@ -5,6 +5,7 @@ from typing import Any
 
 from fastapi import APIRouter, Response
 from fastapi.responses import JSONResponse
+from starlette.concurrency import run_in_threadpool
 
 from experiments.answers import response_in
 from experiments.demographics import check_demographics
@@ -30,6 +31,8 @@ async def record_answer(here: Here, own: KnownSession, message: AnswerMessage) -
     """Store an answer; once this replies, the answer outlives the server."""
     if message.id != response_id(own.id, message.trial_index):
         raise ApiError(403, "id: not the id of this session's trial")
+    if here.study.design.is_adaptive:
+        return await run_in_threadpool(_record_adaptive, here, own, message)
     answer, trials = message.given(), here.trials(own)
     response = response_in(
         trials, here.study, own, message.trial_index, answer, message.measurement()
@@ -37,6 +40,21 @@ async def record_answer(here: Here, own: KnownSession, message: AnswerMessage) -
     await asyncio.wrap_future(here.store.submit(response))
     trial = trials[message.trial_index]
     return {"stored": True, "feedback": _feedback(here, trial, answer)}
+
+
+def _record_adaptive(here: Service, own: Session, message: AnswerMessage) -> dict[str, Any]:
+    """Store an answer with why its trial was chosen, and tell the trial that follows from it."""
+    answer, index = message.given(), message.trial_index
+    with here.courses.of(own, index) as course:
+        response = response_in(course.trials, here.study, own, index, answer, message.measurement())
+        here.store.record(response, course.decision(index))
+        course.take(index, answer)
+        trial, *following = course.trials[index : index + 2]
+    return {
+        "stored": True,
+        "feedback": _feedback(here, trial, answer),
+        "next": _trial(here, own, following[0]) if following else None,
+    }
 
 
 @router.get("/studies/{study}", dependencies=[KnownStudy])
@@ -98,9 +116,13 @@ def begin_session(here: Here, message: NewSessionMessage) -> dict[str, Any]:
 
 @router.get("/sessions/{session}")
 def resume_session(here: Here, own: OwnSession) -> dict[str, Any]:
-    """Tell all trials of a session, and which of them have their answer."""
+    """Tell the trials of a session, and which of them have their answer.
+
+    Of an adaptive design these are the trials that are decided, and `adaptive` tells how many
+    there are at most, and all pictures that may come, in an order that says nothing.
+    """
     answers = here.store.answers(own.id)
-    trials = here.trials(own)
+    trials, adaptive = _known_trials(here, own)
     told = {
         trial.index: _feedback(here, trial, answers[trial.index])
         for trial in trials
@@ -109,6 +131,7 @@ def resume_session(here: Here, own: OwnSession) -> dict[str, Any]:
     return {
         **_identity(own),
         "trials": [_trial(here, own, trial) for trial in trials],
+        "adaptive": adaptive,
         "answered": sorted(answers),
         "feedback": {index: feedback for index, feedback in told.items() if feedback},
         "complete": own.completed_at is not None,
@@ -149,12 +172,28 @@ def withdraw(here: Here, own: OwnSession) -> None:
 @router.post("/sessions/{session}/complete")
 def complete_session(here: Here, own: OwnSession) -> dict[str, str]:
     """Give the completion code, if every trial has its answer."""
-    answers = here.store.answers(own.id)
-    missing = [trial.index for trial in here.trials(own) if trial.index not in answers]
+    estimates = None
+    if here.study.design.is_adaptive:
+        with here.courses.of(own) as course:
+            missing = [] if course.next is None else [course.next.index]
+            estimates = course.estimates()
+    else:
+        answers = here.store.answers(own.id)
+        missing = [trial.index for trial in here.trials(own) if trial.index not in answers]
     if missing:
         message = f"session: {len(missing)} trials have no answer yet"
         raise ApiError(409, message, "incomplete", missing=missing)
-    return {"completion_code": here.store.complete(own.id)}
+    return {"completion_code": here.store.complete(own.id, estimates)}
+
+
+def _known_trials(here: Service, own: Session) -> tuple[tuple[Trial, ...], dict[str, Any] | None]:
+    if not here.study.design.is_adaptive:
+        return here.trials(own), None
+    with here.courses.of(own) as course:
+        possible = [_picture(here, own, here.stimuli[each]) for each in course.possible]
+        pictures = sorted(possible, key=lambda picture: str(picture["image"]))
+        told = {"limit": course.limit, "practice": course.practice, "pictures": pictures}
+        return course.trials, told
 
 
 def _example(here: Service) -> dict[str, Any] | None:

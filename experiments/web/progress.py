@@ -6,11 +6,12 @@ from datetime import UTC, datetime, timedelta
 from typing import Any, Final
 
 from experiments.activity import answers_by_hour, late_shares
+from experiments.course import course_of
 from experiments.participation import exclusion_reasons
-from experiments.responses import Session
+from experiments.responses import EXCLUSION, Session
 from experiments.store import Store
 from experiments.study import Study
-from experiments.trials import Assignment, planned_trials
+from experiments.trials import Assignment
 from stimuli.manifest import StimulusSet
 
 _DROPPED_OUT_AFTER: Final = timedelta(hours=1)
@@ -38,7 +39,7 @@ def study_progress(store: Store, study: Study, stimuli: StimulusSet) -> dict[str
     known = _Known(
         answered,
         late_shares(store, study.name),
-        exclusion_reasons(store.events(study=study.name)),
+        exclusion_reasons(store.events(study=study.name, kind=EXCLUSION)),
         _trial_count(study, stimuli),
     )
     people = [session for session in sessions if not session.simulated]
@@ -68,7 +69,8 @@ def _completed(sessions: list[Session]) -> int:
 
 
 def _trial_count(study: Study, stimuli: StimulusSet) -> int:
-    return len(planned_trials(study, stimuli, Assignment(participant_number=1)))
+    """Return how many trials a session has, or at most."""
+    return course_of(study, stimuli, Assignment(participant_number=1)).limit
 
 
 def _dropped_out(session: Session, answered: Mapping[str, tuple[int, str]]) -> bool:

@@ -14,6 +14,7 @@ from experiments.responses import Session
 from experiments.store import Store
 from experiments.study import Study
 from experiments.trials import Assignment, Trial, planned_trials
+from experiments.web.courses import Courses
 from experiments.web.errors import ApiError
 from experiments.web.exhibits import Exhibits
 from experiments.web.known_sessions import KnownSessions, WrongTokens
@@ -43,8 +44,13 @@ class Service:
             return None
         return next(iter(self.stimuli.with_role("example")), None)
 
+    @cached_property
+    def courses(self) -> Courses:
+        """The sessions under way, of an adaptive design."""
+        return Courses(self.study, self.stimuli, self.store)
+
     def trials(self, session: Session) -> tuple[Trial, ...]:
-        """Return a session's trials."""
+        """Return a session's trials, of a fixed design."""
         return self._planned(session.participant_number)
 
     @cached_property

@@ -64,12 +64,23 @@ export interface Trial {
   feedback: boolean;
 }
 
+/** What is known beforehand of a session in which the answers decide what comes next. */
+export interface Adaptive {
+  /** How many trials there are at most, practice included. */
+  limit: number;
+  practice: number;
+  /** Every picture that may be shown. */
+  pictures: Picture[];
+}
+
 /** A session as the server knows it. */
 export interface Session {
   session: string;
   participant: string;
   participant_number: number;
+  /** All trials; of an adaptive design those that are answered, and the next one. */
   trials: Trial[];
+  adaptive: Adaptive | null;
   answered: number[];
   complete: boolean;
   completion_code: string | null;
@@ -103,6 +114,8 @@ export interface Feedback {
 export interface AnswerReply {
   stored: boolean;
   feedback: Feedback | null;
+  /** Of an adaptive design: the trial that follows, or null at the end. */
+  next?: Trial | null;
 }
 
 /** What is sent to open a session. */

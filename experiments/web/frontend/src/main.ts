@@ -3,15 +3,16 @@
 import { initJsPsych } from "jspsych";
 import { api, type Credentials, type Session, type Study } from "./api";
 import { element } from "./dom";
+import { growTimeline } from "./growing-timeline";
 import { message, setLanguage } from "./messages";
 import { Notice } from "./notice";
 import { beginSession, findSession, findStudy, leaveIfAsked } from "./opening";
 import { type Example, showInstructions } from "./pages/instructions";
 import { showLoading } from "./pages/loading";
-import { showProblem } from "./pages/problem";
+import { showConnecting, showProblem } from "./pages/problem";
 import { showResume } from "./pages/resume";
 import { showSending, showThanks } from "./pages/thanks";
-import { apiLoader, preload } from "./preload";
+import { apiLoader, preload, preloadPictures } from "./preload";
 import { Recorder } from "./recorder";
 import { ApiError, retry } from "./retry";
 import { makeTimeline } from "./timeline";
@@ -52,22 +53,39 @@ async function continueSession(
   credentials: Credentials,
   earlier: Session | null,
 ): Promise<void> {
-  const session = earlier ?? (await retry(() => api.session(credentials)));
+  let session = earlier ?? (await retry(() => api.session(credentials)));
   if (session.completion_code !== null) {
     showThanks(root, session.completion_code);
     return;
   }
-  const recorder = await Recorder.open(credentials, notice);
+  const { adaptive } = session;
+  const offline = adaptive === null ? "notice.offline" : "notice.offline_wait";
+  const recorder = await Recorder.open(credentials, notice, offline);
+  if (adaptive !== null && recorder.unsentTrials().length > 0) {
+    // What comes next follows from the answers that an earlier page left unsent.
+    showConnecting(root);
+    await recorder.allSent();
+    session = await retry(() => api.session(credentials));
+  }
   const answered = new Set([...session.answered, ...recorder.unsentTrials()]);
   const open = session.trials.filter((trial) => !answered.has(trial.index));
   if (earlier !== null) {
     recorder.event("resume", { answered: answered.size });
-    await showResume(root, answered.size, session.trials.length);
+    await showResume(root, answered.size, session);
   } else {
     await instruct(study, session);
   }
-  const stimuli = await preload(open, apiLoader(credentials.token), showLoading(root));
-  await runTrials(makeTimeline(study, session.trials, stimuli, recorder), recorder);
+  const loader = apiLoader(credentials.token);
+  if (adaptive === null) {
+    const stimuli = await preload(open, loader, showLoading(root));
+    await runTrials(() => makeTimeline(study, session.trials, stimuli, recorder), recorder);
+  } else if (open[0] !== undefined) {
+    const [first] = open;
+    const stimuli = await preloadPictures(adaptive.pictures, loader, showLoading(root));
+    const grow = (display: () => HTMLElement) =>
+      growTimeline(study, first, adaptive, stimuli, recorder, display);
+    await runTrials(grow, recorder);
+  }
   await finish(credentials, recorder);
 }
 
@@ -86,16 +104,17 @@ async function loadExample({ example }: Study): Promise<Example | null> {
 }
 
 async function runTrials(
-  timeline: ReturnType<typeof makeTimeline>,
+  make: (display: () => HTMLElement) => ReturnType<typeof makeTimeline>,
   recorder: Recorder,
 ): Promise<void> {
+  const jsPsych = initJsPsych({ display_element: root, use_webaudio: false });
+  const timeline = make(() => jsPsych.getDisplayElement());
   if (timeline.length === 0) {
     return;
   }
   const watching = new AbortController();
   recorder.watchWindow(watching.signal);
   root.replaceChildren();
-  const jsPsych = initJsPsych({ display_element: root, use_webaudio: false });
   await jsPsych.run(timeline);
   watching.abort();
 }

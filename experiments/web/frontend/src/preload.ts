@@ -63,6 +63,16 @@ export async function preload(
   return new Map(trials.map(({ index, pictures }) => [index, pictures.map(stimulus)]));
 }
 
+/** Load pictures as `preload` does; returns their stimuli by the images' addresses. */
+export async function preloadPictures(
+  pictures: Picture[],
+  loader: Loader,
+  onProgress?: (loaded: number, total: number) => void,
+): Promise<Map<string, Stimulus>> {
+  const loaded = (await preload([{ index: 0, pictures }], loader, onProgress)).get(0) ?? [];
+  return new Map(loaded.map((stimulus, place) => [pictures[place]?.image ?? "", stimulus]));
+}
+
 async function inParallel(
   tasks: (() => Promise<void>)[],
   onProgress: (done: number, total: number) => void,

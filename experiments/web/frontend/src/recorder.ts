@@ -9,6 +9,7 @@ import {
 } from "./api";
 import type { TrialData } from "./asked";
 import { describeWindow } from "./device";
+import type { MessageKey } from "./messages";
 import type { Notice } from "./notice";
 import { Outbox } from "./outbox";
 import { ApiError } from "./retry";
@@ -26,18 +27,27 @@ export class Recorder {
     private readonly credentials: Credentials,
     private readonly notice: Notice,
     store: PostStore,
+    offline: MessageKey,
   ) {
     this.outbox = new Outbox(store, (post) => postToServer(post.path, post.token, post.body), {
-      onWaiting: (waiting) => notice.show(waiting ? "notice.offline" : null),
+      onWaiting: (waiting) => notice.show(waiting ? offline : null),
       onRefused: (post, error) => this.refused(post, error),
       onNotKept: () => this.notKept(),
     });
   }
 
-  /** Open the outbox, and take up what earlier pages left unsent. */
-  static async open(credentials: Credentials, notice: Notice): Promise<Recorder> {
+  /**
+   * Open the outbox, and take up what earlier pages left unsent.
+   *
+   * @param offline - What is said while nothing can be sent.
+   */
+  static async open(
+    credentials: Credentials,
+    notice: Notice,
+    offline: MessageKey = "notice.offline",
+  ): Promise<Recorder> {
     const store = await openPostStore();
-    const recorder = new Recorder(credentials, notice, store);
+    const recorder = new Recorder(credentials, notice, store, offline);
     await recorder.outbox.resume();
     if (!store.persistent) {
       recorder.notKept();

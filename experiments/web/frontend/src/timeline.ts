@@ -1,6 +1,6 @@
 /** The jsPsych timeline of a session: each trial, and after practice ones the feedback. */
 
-import type { Study, Trial } from "./api";
+import type { AnswerReply, Study, Trial } from "./api";
 import type { TrialData } from "./asked";
 import { message } from "./messages";
 import FeedbackPlugin, { type Outcome } from "./plugins/feedback";
@@ -22,24 +22,31 @@ export function makeTimeline(
 ) {
   return trials.flatMap((trial) => {
     const shown = stimuli.get(trial.index);
-    return shown === undefined ? [] : steps(study, trials, trial, shown, recorder);
+    if (shown === undefined) {
+      return [];
+    }
+    const position = positionOf(trial, trials);
+    const heading = { position, progress: trial.index / trials.length };
+    return steps(study, heading, trial, shown, recorder);
   });
 }
 
-function steps(
+/**
+ * Return a trial, and after a practice trial its feedback.
+ *
+ * @param onReply - Waited for before what follows is shown.
+ */
+export function steps(
   study: Study,
-  trials: Trial[],
+  heading: { position: string; progress: number },
   trial: Trial,
   stimuli: Stimulus[],
   recorder: Recorder,
+  onReply: (reply: Promise<AnswerReply>) => Promise<void> = async () => {},
 ) {
   let outcome: Outcome;
   const { ask, exhibit, name } = presentationOf(study, trial, stimuli);
-  const common = {
-    question: study.question,
-    position: positionOf(trial, trials),
-    progress: trial.index / trials.length,
-  };
+  const common = { question: study.question, ...heading };
   const question = {
     ...common,
     ...ask,
@@ -51,6 +58,7 @@ function steps(
       const { reply } = await recorder.answer(trial.index, data);
       outcome = { answer: data.answer, feedback: reply.then(({ feedback }) => feedback) };
       outcome.feedback.catch(() => {}); // told by the feedback, or by the recorder's notice
+      await onReply(reply);
     },
   };
   const tell = { ...common, type: FeedbackPlugin, exhibit, name, outcome: () => outcome };

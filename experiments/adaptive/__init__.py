@@ -1,0 +1,1 @@
+"""Designs in which the answers so far decide what is shown next."""
