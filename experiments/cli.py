@@ -197,6 +197,14 @@ def run_lab(
     ] = None,
     screen: Annotated[int, typer.Option(min=0, help="Which screen.")] = 0,
     monitor: Annotated[str | None, typer.Option(help="Its name in PsychoPy.")] = None,
+    photodiode: Annotated[
+        str | None,
+        typer.Option(help="A square that is white with a stimulus: its corner, such as top-left."),
+    ] = None,
+    photodiode_size: Annotated[int, typer.Option(min=1, help="Its side in px.")] = 40,
+    triggers: Annotated[
+        Path | None, typer.Option(help="A TOML file of trigger codes and their port.")
+    ] = None,
     pilot: Pilot = False,
 ) -> None:
     """Run a study with one participant in a PsychoPy window on this machine.
@@ -204,12 +212,15 @@ def run_lab(
     Without --age, --gender and --artistic-background a form in the window asks who takes part.
     """
     from experiments.lab import runner
+    from experiments.lab.photodiode import Photodiode
+    from experiments.lab.triggers import load_triggers
     from experiments.lab.window import WindowSettings
     from experiments.store import Store
 
     loaded = load_study(study)
     stimulus_set = _verified(loaded, stimuli)
     options = {"age": age, "gender": gender, "artistic_background": artistic_background}
+    square = Photodiode(photodiode, photodiode_size) if photodiode else None
     said = {key: value for key, value in options.items() if value is not None}
     with Store.open(data) as store:
         session = runner.run_lab(
@@ -221,7 +232,8 @@ def run_lab(
             participant=participant,
             participant_number=participant_number,
             pilot=pilot,
-            settings=WindowSettings(window is None, window, screen, monitor),
+            settings=WindowSettings(window is None, window, screen, monitor, square),
+            triggers=load_triggers(triggers) if triggers else None,
             announce=typer.echo,
         )
     if session is None:

@@ -2,11 +2,10 @@
 
 import hashlib
 import math
-import tomllib
 from pathlib import Path
 from typing import Literal, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from algorithms.errors import InputError
 from experiments.study_parts import (
@@ -27,7 +26,8 @@ from experiments.study_parts import (
     Text,
     Timing,
 )
-from stimuli.manifest import Factor, Role, Stimulus, StimulusSet, first_fault
+from experiments.toml_files import read_toml
+from stimuli.manifest import Factor, Role, Stimulus, StimulusSet
 
 __all__ = ["READY_MADE", "Exclusion", "Study", "Task", "check_stimuli", "chosen", "load_study"]
 
@@ -187,14 +187,7 @@ def load_study(path: str | Path) -> Study:
     path = Path(path)
     if not path.suffix and not path.exists():
         path = _ready_made(path.name)
-    try:
-        return Study.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not a TOML file ({error})") from error
-    except ValidationError as error:
-        raise InputError(f"{path}: {first_fault(error)}") from error
+    return read_toml(path, Study)
 
 
 def _ready_made(name: str) -> Path:

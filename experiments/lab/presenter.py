@@ -90,6 +90,7 @@ def present(
     timing: Timing,
     name: str,
     done: float,
+    at_onset: Callable[[], None],
 ) -> Outcome | None:
     """Show one trial until it is answered, its time is over or Escape is pressed.
 
@@ -104,6 +105,8 @@ def present(
         What the trial is called to the experimenter.
     done
         The share of trials answered so far.
+    at_onset
+        Called at once when the stimulus' first frame is on the screen.
 
     Returns
     -------
@@ -118,7 +121,8 @@ def present(
         parts = (*scene.parts, *around)
         requested_s = window.show(parts) + scene.duration_s
     _hold(window, parts, requested_s)
-    onset_s = window.show((*shown.asked[0].parts, *around))
+    window.on_flip(at_onset)
+    onset_s = window.show((*shown.asked[0].parts, *around), lit=True)
     if any(_is_escape(press) for press in window.take_presses()):
         return None  # all other presses before the onset are no answers
     window.announce(name)
@@ -145,7 +149,7 @@ def _ask(
     scenes = list(shown.asked)
     ends_s = onset_s + scenes[0].duration_s
     while True:
-        shown_s = window.show((*scenes[0].parts, *around))
+        shown_s = window.show((*scenes[0].parts, *around), lit=True)
         for press in window.take_presses():
             if _is_escape(press):
                 return None

@@ -1,6 +1,7 @@
 """Running a study in the lab: one participant, one PsychoPy window, the rows of every runner."""
 
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from experiments.lab.psychopy_files import PsychoPyFiles
 from experiments.lab.task_view import TaskView
 from experiments.lab.tasks import view_of
 from experiments.lab.texts import text
+from experiments.lab.triggers import TriggerPlan, Triggers, check_triggers, open_triggers
 from experiments.lab.window import LabWindow, WindowSettings
 from experiments.pool import assignment_of
 from experiments.responses import POOL, Session
@@ -40,6 +42,7 @@ def run_lab(
     participant_number: int | None = None,
     pilot: bool = False,
     settings: WindowSettings | None = None,
+    triggers: TriggerPlan | None = None,
     announce: Callable[[str], None] = lambda _page: None,
 ) -> Session | None:
     """Run a study with one participant in a PsychoPy window.
@@ -64,6 +67,8 @@ def run_lab(
         Mark the answers as given for trying the study out.
     settings
         The window; None for a full screen.
+    triggers
+        Which codes go to which port when a stimulus appears and when it is answered.
     announce
         Called with the name of each page and trial once it is on the screen (`form`, `consent`,
         `instructions`, `trial 3`, `feedback 3`, `main`, `pause`, `thanks`).
@@ -79,17 +84,23 @@ def run_lab(
         If an argument is not accepted, the participant has finished, or the window is smaller than
         the study allows.
     UnavailableError
-        If PsychoPy or a display is missing.
+        If PsychoPy or a display is missing, or the port of the triggers.
     """
     check_stimuli(study, stimuli)
     course_of(study, stimuli, Assignment(1))  # a design that the stimuli do not allow is refused
+    if triggers is not None:
+        check_triggers(triggers, stimuli)
     entrant = known_entrant(study, stimuli, store, participant, demographics)
     if entrant is None or entrant.earlier is None:
         check_number(study, store, participant_number)
     make_folder(folder)
     store.register(study, stimuli)
-    with open_window(settings or WindowSettings(), announce) as window:
+    with ExitStack() as opened:
+        window = opened.enter_context(open_window(settings or WindowSettings(), announce))
         _check_size(study, window)
+        codes = None
+        if triggers is not None:
+            codes = opened.enter_context(open_triggers(triggers, stimuli, window))
         entrant = entrant or ask_entrant(window, study, stimuli, store, participant)
         if entrant is None:
             return None
@@ -113,7 +124,9 @@ def run_lab(
         events = store.events(session=session.id, kind=POOL)
         answers = store.answers(session.id)
         course = course_of(study, stimuli, assignment_of(session, events), answers)
-        _Run(study, stimuli, store, session, window, view, files, course).to_the_end()
+        if triggers is not None:
+            store.add_event(session.id, "triggers", triggers.model_dump(mode="json"))
+        _Run(study, stimuli, store, session, window, view, files, course, codes).to_the_end()
     return store.session(session.id)
 
 
@@ -149,6 +162,7 @@ class _Run:
     view: TaskView[Any]
     files: PsychoPyFiles
     course: Course
+    triggers: Triggers | None
 
     def to_the_end(self) -> None:
         """Show all that is left of the session, or leave early at the participant's wish."""
@@ -202,10 +216,18 @@ class _Run:
         timing, name = self.study.timing, f"trial {trial.index}"
         while True:
             shown = self.view.present(trial)
-            outcome = present(self.window, shown, surround, timing, name, done)
+            outcome = present(
+                self.window, shown, surround, timing, name, done, lambda: self._mark_onset(trial)
+            )
             if outcome is not None:
+                if self.triggers is not None:
+                    self.triggers.answered(trial, outcome.answer)
                 return outcome
             self._pause(name)
+
+    def _mark_onset(self, trial: Trial) -> None:
+        if self.triggers is not None:
+            self.triggers.onset(trial)
 
     def _show_or_pause(self, page: Page, picture: Picture | None = None) -> None:
         while show_page(self.window, page, ("enter", "escape"), picture) == "escape":

@@ -12,6 +12,7 @@ from PIL import Image
 from algorithms.errors import InputError
 from experiments.lab.geometry import Area
 from experiments.lab.inputs import Press, Presses, Typed
+from experiments.lab.photodiode import DARK_RGB, LIT_RGB, Photodiode
 
 BACKGROUND_RGB = (128, 128, 128)
 """The surround of every page and image, sRGB values 0 to 255: the web's mid-grey."""
@@ -42,12 +43,15 @@ class WindowSettings:
         The monitor's name in PsychoPy's Monitor Center, for its size and distance, or None. Its
         gamma is not applied: the images hold sRGB values, and linearising the window would
         correct them twice.
+    photodiode
+        The square that is white while a stimulus is shown, or None.
     """
 
     fullscreen: bool = True
     size_px: tuple[int, int] | None = None
     screen: int = 0
     monitor: str | None = None
+    photodiode: Photodiode | None = None
 
     def __post_init__(self) -> None:
         if self.size_px is not None and min(self.size_px) < 1:
@@ -134,6 +138,7 @@ class LabWindow:
         self.announce = announce
         self.width_px, self.height_px = (int(side) for side in self._window.size)
         self._presses = Presses(self._window.winHandle, self.height_px, self.time_s)
+        self._squares = self._prepare_squares()
         measured_hz = self._window.getActualFrameRate(infoMsg="")
         synchronised = measured_hz is not None and measured_hz < _FASTEST_DISPLAY_HZ
         self.refresh_hz: float | None = float(measured_hz) if synchronised else None
@@ -178,16 +183,18 @@ class LabWindow:
     def screen(self) -> dict[str, Any]:
         """What a session keeps of screen, window and monitor."""
         screen, monitor = self._window.winHandle.screen, self._window.monitor
+        settings = self._settings
         return {
             "width_px": screen.width,
             "height_px": screen.height,
             "window_width_px": self.width_px,
             "window_height_px": self.height_px,
-            "fullscreen": self._settings.fullscreen,
+            "fullscreen": settings.fullscreen,
             "refresh_hz": self.refresh_hz,
-            "monitor": self._settings.monitor,
+            "monitor": settings.monitor,
             "monitor_width_cm": monitor.getWidth(),
             "distance_cm": monitor.getDistance(),
+            "photodiode": vars(settings.photodiode) if settings.photodiode else None,
         }
 
     def text(
@@ -250,19 +257,31 @@ class LabWindow:
         )
         return rectangle
 
-    def flip(self) -> float:
-        """Show what was drawn and return the time of that, on the window's clock."""
+    def flip(self, *, lit: bool = False) -> float:
+        """Show what was drawn and return the time of that, on the window's clock.
+
+        Parameters
+        ----------
+        lit
+            Whether the photodiode's square is white in this frame, instead of black.
+        """
+        if self._squares is not None:
+            self._squares[lit].draw()
         if self.refresh_hz is None:
             time.sleep(max(0.0, self._next_frame_s - self.time_s()))
         shown_s = float(self._window.flip())
         self._next_frame_s = max(self._next_frame_s + self.frame_s, shown_s)
         return shown_s
 
-    def show(self, parts: Iterable[Drawable]) -> float:
+    def show(self, parts: Iterable[Drawable], *, lit: bool = False) -> float:
         """Draw the parts from back to front, show them and return the time of that."""
         for part in parts:
             part.draw()
-        return self.flip()
+        return self.flip(lit=lit)
+
+    def on_flip(self, call: Callable[[], None]) -> None:
+        """Let something be called at once when the next frame is on the screen."""
+        self._window.callOnFlip(call)
 
     def discard(self) -> None:
         """Forget what was drawn; the graphics card has its shaders and textures ready then."""
@@ -301,6 +320,13 @@ class LabWindow:
             float(statistics.median(intervals_s)) if intervals_s else None,
             int(self._window.nDroppedFrames),
         )
+
+    def _prepare_squares(self) -> tuple[Drawable, Drawable] | None:
+        """Return the photodiode's square, dark and lit."""
+        if self._settings.photodiode is None:
+            return None
+        area = self._settings.photodiode.area(self.width_px, self.height_px)
+        return self.bar(area, DARK_RGB), self.bar(area, LIT_RGB)
 
     def _middle(self, area: Area) -> tuple[float, float]:
         return self._centred(area.left_px + area.width_px / 2, area.top_px + area.height_px / 2)

@@ -1,7 +1,7 @@
 """A display, a short study on it, and one sitting taken to the end for several tests to look at."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +9,42 @@ import pytest
 from numpy.typing import NDArray
 
 from algorithms.images import read_labels
+from experiments.lab.photodiode import Photodiode
 from experiments.study import Study
 from experiments.trials import Assignment, Trial, planned_trials
 from stimuli.manifest import StimulusSet
 from tests.drawn_set import draw_set
 from tests.lab.driver import Display, Sitting, open_display, start, take_study
+
+PHOTODIODE = Photodiode("bottom-right", 30)
+
+TRIGGERS = """
+[port]
+kind = "file"
+address = "{address}"
+
+[[onset]]
+code = 10
+phase = "practice"
+
+[[onset]]
+code = 30
+trial = 4
+
+[[onset]]
+code = 20
+factors = {{ divergence_deg = 0 }}
+
+[[onset]]
+code = 29
+
+[[answer]]
+code = 108
+answer = 8
+
+[[answer]]
+code = 100
+"""
 
 
 @pytest.fixture(scope="session")
@@ -77,8 +108,16 @@ def finished(
     answers: Mapping[int, int],
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Finished:
-    """The first participant's sitting in full screen."""
-    sitting = sitting_in(tmp_path_factory.mktemp("finished"), few)
+    """The first participant's sitting in full screen, with a photodiode and triggers."""
+    folder = tmp_path_factory.mktemp("finished")
+    triggers = folder / "triggers.toml"
+    triggers.write_text(TRIGGERS.format(address=folder / "codes.csv"), encoding="utf-8")
+    sitting = replace(
+        sitting_in(folder, few),
+        settings={"photodiode": vars(PHOTODIODE)},
+        triggers=triggers,
+        observed=folder / "frames.jsonl",
+    )
     looks: dict[str, NDArray[np.uint8]] = {}
 
     def look(page: str) -> None:

@@ -77,6 +77,9 @@ class Sitting:
     participant_number: int | None = None
     demographics: Mapping[str, Any] | None = field(default_factory=lambda: DEMOGRAPHICS)
     settings: Mapping[str, Any] = field(default_factory=dict)
+    triggers: Path | None = None
+    observed: Path | None = None
+    """Where each frame's colours are written (`tests.lab.observed`)."""
 
 
 class LabProcess:

@@ -10,11 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from algorithms.errors import UserError
+from experiments.lab import opening
+from experiments.lab.photodiode import Photodiode
 from experiments.lab.runner import run_lab
+from experiments.lab.triggers import load_triggers
 from experiments.lab.window import WindowSettings
 from experiments.store import Store
 from experiments.study import load_study
 from stimuli.manifest import load
+from tests.lab.observed import observed_window
 
 
 def main() -> None:
@@ -29,6 +33,11 @@ def main() -> None:
 
 
 def _run(given: dict[str, Any]) -> str:
+    settings = given["settings"]
+    if "photodiode" in settings:
+        settings["photodiode"] = Photodiode(**settings["photodiode"])
+    if given["observed"] is not None:
+        vars(opening)["LabWindow"] = observed_window(Path(given["observed"]))
     with Store.open(given["store"]) as store:
         session = run_lab(
             load_study(given["study"]),
@@ -38,7 +47,8 @@ def _run(given: dict[str, Any]) -> str:
             folder=Path(given["folder"]),
             participant=given["participant"],
             participant_number=given["participant_number"],
-            settings=WindowSettings(**given["settings"]),
+            settings=WindowSettings(**settings),
+            triggers=load_triggers(Path(given["triggers"])) if given["triggers"] else None,
             announce=lambda page: print(page, flush=True),  # noqa: T201
         )
     return "completed" if session and session.completed_at else "left"
