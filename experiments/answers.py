@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from algorithms.errors import InputError
 from experiments.ordering import is_ranking
@@ -93,6 +94,8 @@ def is_possible(study: Study, trial: Trial, answer: Answer) -> bool:
         if not isinstance(answer, tuple) or len(answer) != len(trial.stimuli):
             return False
         return is_ranking(answer, ties=study.answers.ties)
+    if study.task == "pick":
+        return isinstance(answer, tuple) and _is_picked(study, answer)
     lowest, highest = _bounds(study)
     return isinstance(answer, int) and lowest <= answer <= highest
 
@@ -106,7 +109,22 @@ def accepted_answers(study: Study, trial: Trial) -> str:
         once = "ties by the best rank they share" if study.answers.ties else "each once"
         return f"the ranks 1 to {len(trial.stimuli)}, {once},"
     lowest, highest = _bounds(study)
+    if study.task == "pick":
+        return f"{' to '.join(map(str, _picks(study)))} labels from {lowest} to {highest}, rising,"
     return f"{lowest} to {highest}"
+
+
+def _is_picked(study: Study, answer: tuple[int, ...]) -> bool:
+    lowest, highest = _bounds(study)
+    least, most = _picks(study)
+    rising = all(before < after for before, after in pairwise(answer))
+    within = all(lowest <= label <= highest for label in answer)
+    return least <= len(answer) <= most and rising and within
+
+
+def _picks(study: Study) -> tuple[int, int]:
+    assert study.answers.picks is not None  # the study has seen to it
+    return study.answers.picks
 
 
 def _bounds(study: Study) -> tuple[int, int]:

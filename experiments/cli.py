@@ -14,7 +14,7 @@ from rich.progress import Progress
 
 from algorithms.errors import InputError
 from experiments import store_cli
-from experiments.study import Study, check_stimuli, load_study
+from experiments.study import CHOOSES, Study, check_stimuli, load_study
 from experiments.template import write_template
 from experiments.trials import Assignment, planned_trials
 from stimuli.manifest import StimulusSet
@@ -148,7 +148,7 @@ def simulate(
     stimulus_set = _verified(loaded, stimuli)
     generator = np.random.default_rng(seed)
     observer: Observer | ItemObserver
-    if loaded.task == "odd-one-out":
+    if loaded.task in CHOOSES:
         observer = Observer(
             threshold=_threshold_of(threshold),
             width=width,

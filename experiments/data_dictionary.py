@@ -66,7 +66,8 @@ _RESPONSES = (
         "answer",
         "answer",
         "by task: the label of the chosen object; the place of the chosen image from 1; 1 for yes"
-        " and 0 for no; the rank of each image in the order shown, 1 = best; empty: none in time",
+        " and 0 for no; the rank of each image in the order shown, 1 = best; the labels of all"
+        " chosen objects; empty: none in time",
     ),
     Column("reaction_time_s", "number", "from the measured onset to the answer", "s"),
     Column("onset_requested_s", "number", "when the image was asked for, runner's clock", "s"),

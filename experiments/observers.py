@@ -1,11 +1,11 @@
 """Simulated observers: programs that answer a study's trials with a known psychometric function."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from algorithms.errors import InputError
 from experiments.psychometric import psychometric_function, sigmoid
@@ -34,6 +34,10 @@ class Observer:
     which is exactly the psychometric function that is fitted (`psychometric_function`). With
     salience the observer is biased: g gives way to the odd object's share of the salience.
     Where nothing is odd (controls) the choice is by salience alone.
+
+    In `pick` every inserted object is noticed with that probability d, each by itself. How many
+    objects are picked is drawn evenly between the least and the most, or is the number of those
+    noticed if that is larger; noticed ones first, then others by salience.
 
     Attributes
     ----------
@@ -86,8 +90,8 @@ class Observer:
 
     def answer(
         self, study: Study, stimulus: Stimulus, generator: np.random.Generator
-    ) -> tuple[int, float]:
-        """Return the chosen label and the time in seconds that it took.
+    ) -> tuple[int | tuple[int, ...], float]:
+        """Return the chosen label, or those picked, and the time in seconds that it took.
 
         Parameters
         ----------
@@ -98,6 +102,8 @@ class Observer:
         generator
             Where chance comes from.
         """
+        if study.task == "pick":
+            return _pick(self, study, stimulus, generator)
         shown = _Shown.of(study, [stimulus], self)
         labels, times_s = _answer_all(self, study.choices, shown, generator)
         return int(labels[0]), float(times_s[0])
@@ -142,11 +148,15 @@ def simulate_responses(
     """
     _require(participants >= 1, "participants", participants, "1 or more")
     plans = [planned_trials(study, stimuli, Assignment(n + 1)) for n in range(participants)]
+    if study.task == "pick":
+        seen = [stimuli[trial.stimuli[0]] for plan in plans for trial in plan]
+        picked = [_pick(observer, study, stimulus, generator) for stimulus in seen]
+        return _frame(study, stimuli, observer, plans, *zip(*picked, strict=True))
     number_of = {stimulus.id: number for number, stimulus in enumerate(stimuli.stimuli)}
     shown = _Shown.of(study, stimuli.stimuli, observer)
     order = [number_of[trial.stimuli[0]] for plan in plans for trial in plan]
     labels, times_s = _answer_all(observer, study.choices, shown.take(order), generator)
-    return _frame(study, stimuli, observer, plans, labels, times_s)
+    return _frame(study, stimuli, observer, plans, labels.tolist(), times_s.tolist())
 
 
 @dataclass(frozen=True)
@@ -161,9 +171,7 @@ class _Shown:
     def of(
         cls, study: Study, stimuli: list[Stimulus] | tuple[Stimulus, ...], observer: Observer
     ) -> "_Shown":
-        level = study.stimuli.level
-        if level is None:
-            raise InputError("stimuli.level: an observer needs a study that names its level")
+        level = _level(study)
         return cls(
             level=np.array([_number(stimulus, level) for stimulus in stimuli], np.float64),
             threshold=np.array([_threshold(observer, s) for s in stimuli], np.float64),
@@ -177,16 +185,46 @@ class _Shown:
 def _answer_all(
     observer: Observer, choices: int, shown: _Shown, generator: np.random.Generator
 ) -> tuple[Labels, Floats]:
-    guess_rate = 1 / choices
-    notice_rate = (1 - observer.lapse_rate / (1 - guess_rate)) * sigmoid(
-        shown.level, shown.threshold, observer.width
-    )
+    notice_rate = _notice_rate(observer, choices, shown.level, shown.threshold)
     size = len(shown.level)
     noticed = (generator.random(size) < notice_rate) & (shown.odd > 0)
     guesses = generator.choice(np.arange(1, choices + 1), size=size, p=_shares(observer, choices))
     labels = np.where(noticed, shown.odd, guesses)
     medians_s = np.where(noticed, observer.noticed_time_s, observer.guessed_time_s)
     return labels, medians_s * generator.lognormal(0, observer.time_spread, size)
+
+
+def _notice_rate(
+    observer: Observer, choices: int, level: ArrayLike, threshold: ArrayLike
+) -> Floats:
+    lapses = observer.lapse_rate / (1 - 1 / choices)
+    return (1 - lapses) * sigmoid(level, threshold, observer.width)
+
+
+def _pick(
+    observer: Observer, study: Study, stimulus: Stimulus, generator: np.random.Generator
+) -> tuple[tuple[int, ...], float]:
+    assert study.answers.picks is not None  # the study has seen to it
+    least, most = study.answers.picks
+    level, threshold = _number(stimulus, _level(study)), _threshold(observer, stimulus)
+    rate = float(_notice_rate(observer, study.choices, level, threshold))
+    noticed = [label for label in stimulus.right_labels if generator.random() < rate]
+    picked = [int(label) for label in generator.permutation(noticed)[:most]]
+    wanted = int(generator.integers(least, most + 1))
+    shares = _shares(observer, study.choices)
+    while len(picked) < wanted:
+        left = np.setdiff1d(np.arange(1, study.choices + 1), picked)
+        weights = shares[left - 1]
+        p = weights / weights.sum() if weights.any() else None
+        picked.append(int(generator.choice(left, p=p)))
+    median_s = observer.noticed_time_s if noticed else observer.guessed_time_s
+    return tuple(sorted(picked)), median_s * float(generator.lognormal(0, observer.time_spread))
+
+
+def _level(study: Study) -> str:
+    if study.stimuli.level is None:
+        raise InputError("stimuli.level: an observer needs a study that names its level")
+    return study.stimuli.level
 
 
 def _shares(observer: Observer, choices: int) -> Floats:
@@ -228,8 +266,8 @@ def _frame(
     stimuli: StimulusSet,
     observer: Observer,
     plans: list[tuple[Trial, ...]],
-    labels: Labels,
-    times_s: Floats,
+    answers: Sequence[object],
+    times_s: Sequence[float],
 ) -> pd.DataFrame:
     people = [f"P{number:04d}" for number, plan in enumerate(plans, start=1) for _ in plan]
     sessions = [f"{study.name}.{participant}.1" for participant in people]
@@ -245,7 +283,7 @@ def _frame(
             "trial_index": [trial.index for trial in trials],
             "phase": [trial.phase for trial in trials],
             "stimuli": [trial.stimuli for trial in trials],
-            "answer": labels,
+            "answer": answers,
             "reaction_time_s": times_s,
             "onset_requested_s": None,
             "onset_measured_s": None,

@@ -10,7 +10,8 @@ Pool = tuple[tuple[str, str, int], ...]
 Answer = int | tuple[int, ...] | None
 """By task: the label of the chosen region (odd-one-out), the place of the chosen image from 1
 (two-alternative), 1 for yes and 0 for no (yes-no), the rank of each image in the order shown, 1 for
-the best (ranking); None where the time limit passed."""
+the best (ranking), the labels of the chosen regions from the smallest on (pick); None where the
+time limit passed."""
 
 
 @dataclass(frozen=True)

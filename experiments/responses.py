@@ -56,7 +56,7 @@ class Response:
     stimuli
         The ids of the stimuli in the order shown.
     answer
-        For odd-one-out the label of the chosen region; None when the time limit passed.
+        As the task has it (`experiments.trials.Answer`); None when the time limit passed.
     reaction_time_s
         From the measured onset to the answer.
     onset_requested_s, onset_measured_s

@@ -12,6 +12,8 @@ def right_answer(study: Study, stimuli: StimulusSet, trial: Trial) -> Answer:
     that the study declares: `practice.best_first`, and in a catch trial `catch.better` before
     `catch.worse`.
     """
+    if study.task == "pick":
+        return stimuli[trial.stimuli[0]].right_labels or None
     if study.task in ("odd-one-out", "yes-no"):
         truth = stimuli[trial.stimuli[0]].answer
         possible = isinstance(truth, int) and (study.task == "odd-one-out" or truth in (0, 1))

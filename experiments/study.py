@@ -3,7 +3,7 @@
 import hashlib
 import math
 from pathlib import Path
-from typing import Literal, Self
+from typing import Final, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -29,7 +29,16 @@ from experiments.study_parts import (
 from experiments.toml_files import read_toml
 from stimuli.manifest import Factor, Role, Stimulus, StimulusSet
 
-__all__ = ["READY_MADE", "Exclusion", "Study", "Task", "check_stimuli", "chosen", "load_study"]
+__all__ = [
+    "CHOOSES",
+    "READY_MADE",
+    "Exclusion",
+    "Study",
+    "Task",
+    "check_stimuli",
+    "chosen",
+    "load_study",
+]
 
 # A task compares single images, pairs of them, or whole sets.
 _DESIGNS_OF_TASK: dict[Task, tuple[str, ...]] = {
@@ -37,7 +46,10 @@ _DESIGNS_OF_TASK: dict[Task, tuple[str, ...]] = {
     "yes-no": ("factorial", "staircase", "quest-plus"),
     "two-alternative": ("pairs", "active-pairs"),
     "ranking": ("sets",),
+    "pick": ("factorial",),
 }
+# Of the tasks about objects in an image: an object is chosen among `stimuli.choices`.
+CHOOSES: Final[tuple[Task, ...]] = ("odd-one-out", "pick")
 # Keys and parts that came after the first studies were run.
 _LATER_KEYS = {
     "stimuli": ("made_by", "item", "within", "only"),
@@ -51,19 +63,21 @@ _LATER_KEYS = {
     ),
     "practice": ("best_first",),
     "timing": ("image_s", "mask_s"),
+    "answers": ("picks",),
     "exclusion": ("catch_level", "least_catch_share", "largest_late_share"),
 }
 _LATER_PARTS = ("answers", "catch", "analysis")
 # Keys that only some tasks have a use for.
 _TASKS_OF_KEY: tuple[tuple[str, tuple[Task, ...]], ...] = (
-    ("design.one_of_each", ("odd-one-out", "yes-no")),
-    ("design.distinct", ("odd-one-out", "yes-no")),
+    ("design.one_of_each", ("odd-one-out", "yes-no", "pick")),
+    ("design.distinct", ("odd-one-out", "yes-no", "pick")),
     ("practice.best_first", ("two-alternative", "ranking")),
     ("catch", ("two-alternative", "ranking")),
     ("timing.image_s", ("yes-no", "two-alternative")),
     ("timing.mask_s", ("two-alternative",)),
     ("answers.labels", ("yes-no", "ranking")),
     ("answers.ties", ("ranking",)),
+    ("answers.picks", ("pick",)),
     ("exclusion.catch_level", ("odd-one-out",)),
     ("analysis.equivalence_margin", ("two-alternative",)),
 )
@@ -118,16 +132,19 @@ class Study(Part):
 
     @property
     def guess_rate(self) -> float:
-        """The share of right answers, or of one of two answers, by chance; NaN for rankings."""
-        if self.task == "ranking":
+        """The share of right answers, or of one of two answers, by chance.
+
+        NaN for rankings, and for picks, where it depends on how many objects are picked.
+        """
+        if self.task in ("ranking", "pick"):
             return math.nan
         return 1 / (self.stimuli.choices or 2)
 
     @property
     def choices(self) -> int:
-        """How many objects there are to choose among: of `odd-one-out` studies only."""
+        """How many objects there are to choose among, where objects are chosen."""
         if self.stimuli.choices is None:
-            raise InputError(f"task: {self.task} given, odd-one-out accepted")
+            raise InputError(f"task: {self.task} given, {' or '.join(CHOOSES)} accepted")
         return self.stimuli.choices
 
     @model_validator(mode="after")
@@ -141,7 +158,7 @@ class Study(Part):
             )
         if self.design.kind in ("staircase", "quest-plus") and self.stimuli.level is None:
             raise ValueError(f"stimuli.level: missing; a {self.design.kind} chooses its levels")
-        chooses = self.task == "odd-one-out"
+        chooses = self.task in CHOOSES
         for key, given, needed in (
             ("choices", self.stimuli.choices, chooses),
             ("item", self.stimuli.item, not chooses),
@@ -152,6 +169,14 @@ class Study(Part):
                 raise ValueError(f"stimuli.{key}: the task {self.task} has no use for it")
         if self.stimuli.within and "factorial" in wanted:
             raise ValueError(f"stimuli.within: the task {self.task} has no use for it")
+        if self.task == "pick":
+            if self.answers.picks is None:
+                raise ValueError("answers.picks: missing")
+            if self.answers.picks[1] > self.choices:
+                raise ValueError(
+                    f"answers.picks: {list(self.answers.picks)} given, at most stimuli.choices"
+                    " accepted"
+                )
         return self
 
     @model_validator(mode="after")
@@ -234,7 +259,7 @@ def check_stimuli(study: Study, stimuli: StimulusSet) -> None:
         study.practice.trials,
         f"{len(practice)} practice stimuli",
     )
-    if study.task == "odd-one-out":
+    if study.task in CHOOSES:
         _check_regions(study, stimuli)
 
 

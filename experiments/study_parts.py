@@ -4,7 +4,14 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    StringConstraints,
+    field_validator,
+    model_validator,
+)
 
 from stimuli.manifest import Factor
 
@@ -12,7 +19,7 @@ Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
 Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
 DemographicsField = Literal["age", "gender", "artistic_background"]
 
-Task = Literal["odd-one-out", "two-alternative", "yes-no", "ranking"]
+Task = Literal["odd-one-out", "two-alternative", "yes-no", "ranking", "pick"]
 
 
 class Part(BaseModel):
@@ -31,7 +38,7 @@ class Stimuli(Part):
     made_by
         The command that makes the images, for who has not got them yet.
     choices
-        How many objects a participant can choose among in `odd-one-out`; chance is 1 / choices.
+        How many objects a participant can choose among in `odd-one-out` and `pick`.
     item
         The factor whose levels are compared in `two-alternative` and `ranking`, and judged in
         `yes-no`: for instance the method that made an image.
@@ -280,10 +287,20 @@ class Answers(Part):
         order are called, best first. None: in the runner's own words.
     ties
         Of `ranking`: whether images may share a rank.
+    picks
+        Of `pick`: how many objects are chosen in an image, at least and at most.
     """
 
     labels: tuple[Text, Text] | None = None
     ties: bool = False
+    picks: tuple[int, int] | None = None
+
+    @field_validator("picks")
+    @classmethod
+    def _check_picks(cls, picks: tuple[int, int] | None) -> tuple[int, int] | None:
+        if picks is not None and not 1 <= picks[0] <= picks[1]:
+            raise ValueError(f"{list(picks)} given, [least, most] from 1 on accepted")
+        return picks
 
 
 class Consent(Part):

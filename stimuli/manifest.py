@@ -54,8 +54,8 @@ class Stimulus(BaseModel):
     factors
         The levels that made it, by factor name; one key for all stimuli of a set.
     answer
-        The right answer (for odd-one-out the label of the region, 1 or more), or None where there
-        is none.
+        The right answer (for odd-one-out the label of the region, 1 or more; the labels of several
+        where several objects are the right ones), or None where there is none.
     regions
         A label image (8-bit PNG, 0 = background) of the clickable regions, or None.
     truth
@@ -74,6 +74,12 @@ class Stimulus(BaseModel):
     regions: RelativePath | None = None
     truth: Mapping[str, RelativePath] = Field(default_factory=dict)
     details: Mapping[str, Any] = Field(default_factory=dict)
+
+    @property
+    def right_labels(self) -> tuple[int, ...]:
+        """The labels of the objects that are right to choose, from the smallest on; none: ()."""
+        given = self.answer if isinstance(self.answer, tuple) else (self.answer,)
+        return tuple(sorted(label for label in given if isinstance(label, int)))
 
 
 class StimulusSet(BaseModel):

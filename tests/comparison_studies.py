@@ -29,6 +29,13 @@ def comparison_study(study: Study, task: Task, **design: Any) -> Study:  # noqa:
     return Study.model_validate(content)
 
 
+def pick_study(study: Study, picks: tuple[int, int], **parts: object) -> Study:
+    """Return a study in which objects of the same images are picked."""
+    content = study.model_dump(mode="json") | {"practice": {"trials": 0}}
+    own = {"name": "pick", "task": "pick", "answers": {"picks": picks}}
+    return Study.model_validate(content | own | parts)
+
+
 def as_toml(study: Study) -> str:
     """Write a study as TOML."""
     return as_toml_text(study.model_dump(mode="json", exclude_none=True))

@@ -8,9 +8,9 @@ from experiments.lab.inputs import KeyPress
 from experiments.lab.pictures import Picture, load_picture
 from experiments.lab.texts import text
 from experiments.lab.window import Drawable, LabWindow
-from experiments.study import Study
+from experiments.study import CHOOSES, Study
 from experiments.trials import Trial
-from stimuli.manifest import StimulusSet
+from stimuli.manifest import Stimulus, StimulusSet
 
 # Shares of the window's height.
 HEADING_BAND = 0.09
@@ -51,11 +51,14 @@ def consent_page(study: Study) -> Page:
     return Page("consent", (study.title, study.consent.text), text(study, "consent.prompt"))
 
 
-def instructions_page(study: Study, how_to: str, *, with_example: bool) -> Page:
+def instructions_page(study: Study, how_to: str, example: Stimulus | None) -> Page:
     """Return the page that explains the task and how to answer, perhaps with an example below."""
-    example = (text(study, "instructions.example"),) if with_example else ()
     said = (*study.instructions, how_to) if how_to else study.instructions
-    paragraphs = (study.question, *said, *example)
+    paragraphs = [study.question, *said]
+    if example is not None:
+        several = len(example.right_labels) > 1
+        key = "instructions.example_several" if several else "instructions.example"
+        paragraphs.append(text(study, key))
     return Page("instructions", paragraphs, text(study, "begin.prompt"))
 
 
@@ -87,13 +90,18 @@ def thanks_page(study: Study, completion_code: str) -> Page:
     return Page("thanks", paragraphs, text(study, "thanks.prompt"))
 
 
-def example_picture(window: LabWindow, stimuli: StimulusSet) -> Picture | None:
-    """Return the set's first example with its odd object outlined, or None if it has none."""
-    for stimulus in stimuli.with_role("example"):
-        if isinstance(stimulus.answer, int) and stimulus.regions is not None:
-            picture = load_picture(window, stimuli, stimulus, _example_area(window))
-            return picture.outlined(stimulus.answer)
-    return None
+def example_of(study: Study, stimuli: StimulusSet) -> Stimulus | None:
+    """Return the set's first example where objects are chosen, or None if it has none."""
+    if study.task not in CHOOSES:
+        return None
+    examples = stimuli.with_role("example")
+    return next((each for each in examples if each.right_labels and each.regions), None)
+
+
+def example_picture(window: LabWindow, stimuli: StimulusSet, example: Stimulus) -> Picture:
+    """Return an example with its right objects outlined."""
+    picture = load_picture(window, stimuli, example, _example_area(window))
+    return picture.outlined(*example.right_labels)
 
 
 def _example_area(window: LabWindow) -> Area:

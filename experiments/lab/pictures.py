@@ -64,12 +64,13 @@ class Picture:
         pixel = self.placement.image_pixel(press.x_px, press.y_px)
         return (int(self.regions[pixel]) or None) if pixel else None
 
-    def outlined(self, label: int) -> "Picture":
-        """Return the picture with a line around one of its objects."""
+    def outlined(self, *labels: int) -> "Picture":
+        """Return the picture with a line around each of these objects."""
         height, width = self.regions.shape
-        mask = outline(self.regions, label, max(2, round(_OUTLINE_WIDTH * height)))
         overlay = np.zeros((height, width, 4), np.uint8)
-        overlay[mask] = (*OUTLINE_RGB, 255)
+        for label in labels:
+            mask = outline(self.regions, label, max(2, round(_OUTLINE_WIDTH * height)))
+            overlay[mask] = (*OUTLINE_RGB, 255)
         layer = self.window.image(Image.fromarray(overlay), self.placement.area)
         return replace(self, layers=(*self.layers, layer))
 

@@ -177,11 +177,12 @@ class _Run:
         show_page(self.window, pages.thanks_page(self.study, code))
 
     def _explain(self) -> None:
-        chooses = self.study.task == "odd-one-out"
-        example = pages.example_picture(self.window, self.stimuli) if chooses else None
-        how_to = self.view.how_to
-        page = pages.instructions_page(self.study, how_to, with_example=example is not None)
-        self._show_or_pause(page, example)
+        example = pages.example_of(self.study, self.stimuli)
+        page = pages.instructions_page(self.study, self.view.how_to, example)
+        picture = None
+        if example is not None:
+            picture = pages.example_picture(self.window, self.stimuli, example)
+        self._show_or_pause(page, picture)
 
     def _show_trials(self) -> None:
         surround = prepare_surround(self.window, self.study.question)

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from experiments.lab.odd_one_out import OddOneOutView
+from experiments.lab.pick import PickView
 from experiments.lab.ranking import RankingView
 from experiments.lab.task_view import TaskView
 from experiments.lab.two_alternative import TwoAlternativeView
@@ -17,6 +18,7 @@ _VIEWS: Mapping[Task, type[TaskView[Any]]] = {
     "two-alternative": TwoAlternativeView,
     "yes-no": YesNoView,
     "ranking": RankingView,
+    "pick": PickView,
 }
 
 

@@ -13,6 +13,7 @@ from experiments.participation import withdraw_session
 from experiments.responses import Session, response_id
 from experiments.right_answers import right_answer
 from experiments.store import NewSession
+from experiments.study import CHOOSES
 from experiments.trials import Answer, Trial
 from experiments.web.errors import ApiError
 from experiments.web.exhibits import region_runs
@@ -206,7 +207,7 @@ def _example(here: Service) -> dict[str, Any] | None:
         "width_px": width_px,
         "height_px": height_px,
         "regions": f"{base}/regions",
-        "answer": here.example.answer,
+        "answer": right_answer(here.study, here.stimuli, Trial(0, "practice", (here.example.id,))),
     }
 
 
@@ -232,7 +233,7 @@ def _trial(here: Service, session: Session, trial: Trial) -> dict[str, Any]:
 def _picture(here: Service, session: Session, stimulus: Stimulus) -> dict[str, Any]:
     width_px, height_px = here.exhibits.size_px(stimulus)
     base, regions = f"/api/sessions/{session.id}", None
-    if here.study.task == "odd-one-out":
+    if here.study.task in CHOOSES:
         regions = f"{base}/regions/{here.exhibits.regions_id(session.id, stimulus)}"
     return {
         "image": f"{base}/images/{here.exhibits.image_id(session.id, stimulus)}",

@@ -12,7 +12,7 @@ from fastapi import Depends, Header, Request
 
 from experiments.responses import Session
 from experiments.store import Store
-from experiments.study import Study
+from experiments.study import CHOOSES, Study
 from experiments.trials import Assignment, Trial, planned_trials
 from experiments.web.courses import Courses
 from experiments.web.errors import ApiError
@@ -39,8 +39,8 @@ class Service:
 
     @property
     def example(self) -> Stimulus | None:
-        """The stimulus that the instructions show with its answer, of `odd-one-out`."""
-        if self.study.task != "odd-one-out":
+        """The stimulus that the instructions show with its answer, where objects are chosen."""
+        if self.study.task not in CHOOSES:
             return None
         return next(iter(self.stimuli.with_role("example")), None)
 

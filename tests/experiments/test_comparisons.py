@@ -25,7 +25,7 @@ from experiments.store import NewSession, Store
 from experiments.study import Study, Task, load_study
 from experiments.trials import Assignment, Trial, planned_trials
 from stimuli.manifest import StimulusSet
-from tests.comparison_studies import ITEMS, as_toml, comparison_study
+from tests.comparison_studies import ITEMS, as_toml, comparison_study, pick_study
 
 NOT_MEASURED = Measurement(1.0, None, None, None, None, "none")
 QUALITIES = {"front": 0.0, "back": 1.0, "front-back": -0.5}
@@ -157,6 +157,7 @@ def test_keys_that_came_later_do_not_change_older_studies(study: Study) -> None:
         ("two-alternative", (1, 2), (0, 3, (1, 2))),
         ("yes-no", (0, 1), (2, -1, (1,))),
         ("ranking", ((3, 1, 2),), (1, (1, 2), (1, 1, 2), (0, 1, 2), (1, 2, 3, 4))),
+        ("pick", ((2,), (1, 8)), (2, (), (0,), (9,), (3, 1), (2, 2), (1, 2, 3))),
     ],
 )
 def test_answers_are_those_of_the_task(
@@ -167,7 +168,7 @@ def test_answers_are_those_of_the_task(
     right: tuple[Any, ...],
     wrong: tuple[Any, ...],
 ) -> None:
-    asked = comparison_study(study, task)
+    asked = pick_study(study, (1, 2)) if task == "pick" else comparison_study(study, task)
     store.register(asked, drawn_set)
     new = NewSession("simulation", "test", {}, {}, simulated=True)
     session, _ = store.begin_session(asked, drawn_set, new)

@@ -1,5 +1,6 @@
 from collections.abc import Callable
 from dataclasses import fields
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
@@ -12,6 +13,7 @@ from experiments.responses import Response
 from experiments.study import Study
 from experiments.trials import Assignment, planned_trials
 from stimuli.manifest import Stimulus, StimulusSet
+from tests.comparison_studies import pick_study
 
 PARTICIPANTS = 300
 CHOICES = 8
@@ -120,6 +122,7 @@ def test_one_answer_at_a_time_agrees_with_many(study: Study, drawn_set: Stimulus
     generator = np.random.default_rng(3)
     for stimulus in drawn_set.with_role("main"):
         label, time_s = observer.answer(study, stimulus, generator)
+        assert isinstance(label, int)
         assert 1 <= label <= CHOICES
         assert time_s > 0
         if float(stimulus.factors["divergence_deg"]) > 45:
@@ -203,3 +206,19 @@ def test_studies_and_stimuli_without_a_level_or_label_are_refused(
         observer.answer(study, named, generator)
     with pytest.raises(InputError, match="participants: 0 given"):
         simulate_responses(study, drawn_set, observer, 0, generator)
+
+
+def test_picks_are_as_likely_as_their_model_says(study: Study, drawn_set: StimulusSet) -> None:
+    # Theory: two inserted, each noticed with probability 1/2; one or two picks, evenly drawn.
+    observer = Observer(threshold=90.0, width=30.0, lapse_rate=0.0)
+    one = next(each for each in drawn_set.stimuli if each.factors["divergence_deg"] == 90)
+    both = one.model_copy(update={"answer": (7, 3)})
+    generator = np.random.default_rng(5)
+    picking = pick_study(study, (1, 2))
+    answers = [observer.answer(picking, both, generator)[0] for _ in range(2000)]
+    possible = set(combinations(range(1, 9), 1)) | set(combinations(range(1, 9), 2))
+    assert set(answers) <= possible
+    exact = sum(answer == (3, 7) for answer in answers)
+    # Both noticed; one noticed and the other guessed of seven; none noticed and both guessed.
+    assert_binomial(exact, 2000, 0.25 + 0.5 * 0.5 / 7 + 0.25 * 0.5 / 28)
+    assert_binomial(sum(answer in {(a,) for a in range(1, 9)} for answer in answers), 2000, 0.375)

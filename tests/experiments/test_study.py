@@ -12,6 +12,8 @@ from stimuli.manifest import StimulusSet
 WriteStudy = Callable[[str, str], Path]
 
 
+_TASK = 'task = "odd-one-out"'
+
 # Each wrong study: what is replaced, by what, and the key that the message must name.
 WRONG = [
     ('name = "lights-synthetic"', 'name = "Lights"', "name"),
@@ -55,6 +57,10 @@ WRONG = [
     ("shortest_median_s = 0.3", "shortest_mean_s = 0.3", r"exclusion\.shortest_mean_s"),
     ("shortest_median_s = 0.3", "catch_level = 80", r"exclusion\.catch_level"),
     ("shortest_median_s = 0.3", "largest_late_share = 1", r"exclusion\.largest_late_share"),
+    (_TASK, 'task = "pick"', r"answers\.picks: missing"),
+    (_TASK, 'task = "pick"\nanswers.picks = [2, 1]', r"answers\.picks: \[2, 1\] given"),
+    (_TASK, 'task = "pick"\nanswers.picks = [1, 9]', r"answers\.picks: \[1, 9\] given"),
+    (_TASK, _TASK + "\nanswers.picks = [1, 1]", r"answers\.picks: the task odd-one-out"),
     (
         "[stopping]",
         "[analysis]\nequivalence_margin = 0.1\n[stopping]",

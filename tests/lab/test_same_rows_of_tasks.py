@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,8 +11,11 @@ from numpy.typing import NDArray
 from playwright.sync_api import Browser, Page
 from scipy import ndimage
 
+from algorithms.images import read_labels
 from experiments import load_responses
 from experiments.item_observers import ItemObserver, simulate_comparisons
+from experiments.lab.geometry import Area
+from experiments.observers import Observer, simulate_responses
 from experiments.ordering import Order
 from experiments.responses import DEVICE_COLUMNS, TIMING_COLUMNS
 from experiments.store import Store
@@ -20,10 +24,17 @@ from experiments.trials import Answer
 from experiments.web import create_app, running_server
 from experiments.web.pages import BUNDLE
 from stimuli.manifest import StimulusSet
-from tests.comparison_studies import ITEMS, as_toml, comparison_study
+from tests.comparison_studies import ITEMS, as_toml, comparison_study, pick_study
 from tests.conftest import require
-from tests.drawn_set import draw_set
-from tests.lab.driver import DRAWN_BACKGROUND, Display, LabProcess, Sitting, start
+from tests.drawn_set import HEIGHT_PX, WIDTH_PX, draw_set
+from tests.lab.driver import (
+    DRAWN_BACKGROUND,
+    Display,
+    LabProcess,
+    Sitting,
+    point_in,
+    start,
+)
 from tests.web.browser import DESKTOP, Participant, open_chromium
 
 pytestmark = [pytest.mark.lab, pytest.mark.browser, pytest.mark.slow]
@@ -31,7 +42,14 @@ pytestmark = [pytest.mark.lab, pytest.mark.browser, pytest.mark.slow]
 KEYS = {1: ("1", "Left"), 2: ("2", "Right")}
 BRIEF = {"blank_s": 0.05}
 IN_TURN = BRIEF | {"image_s": 0.1, "mask_s": 0.05}
-TIMINGS = {"two-alternative": BRIEF, "in-turn": IN_TURN, "yes-no": BRIEF, "ranking": BRIEF}
+TIMINGS = {
+    "two-alternative": BRIEF,
+    "in-turn": IN_TURN,
+    "yes-no": BRIEF,
+    "ranking": BRIEF,
+    "pick": BRIEF,
+}
+PICKS = (1, 2)
 
 
 @pytest.fixture(scope="module")
@@ -45,9 +63,13 @@ def studies(study: Study) -> list[Study]:
     """A short study of each task, and one whose pairs come one after the other."""
     studies = []
     for name, timing in TIMINGS.items():
-        task = "two-alternative" if name == "in-turn" else name
-        content = comparison_study(study, task).model_dump(mode="json")  # type: ignore[arg-type]
-        changes = {"name": name, "timing": timing, "demographics": [], "screen": {}}
+        changes: dict[str, Any] = {"name": name, "timing": timing, "demographics": [], "screen": {}}
+        if name == "pick":
+            asked = pick_study(study, PICKS)
+        else:
+            task: Any = "two-alternative" if name == "in-turn" else name
+            asked = comparison_study(study, task)
+        content = asked.model_dump(mode="json")
         studies.append(Study.model_validate(content | changes))
     return studies
 
@@ -59,10 +81,15 @@ def simulated(
     """What one simulated participant answers, by study."""
     data = tmp_path_factory.mktemp("simulated") / "rows.sqlite"
     observer = ItemObserver(dict.fromkeys(ITEMS, 0.0))
+    compared = [study for study in studies if study.task != "pick"]
     with Store.open(data) as store:
-        for study in studies:
+        for study in compared:
             simulate_comparisons(study, few, store, observer, 1, np.random.default_rng(7))
-    return {study.name: load_responses(data, study.name) for study in studies}
+    rows = {study.name: load_responses(data, study.name) for study in compared}
+    generator = np.random.default_rng(7)
+    rows["pick"] = simulate_responses(studies[-1], few, Observer(90, 30), 1, generator)
+    assert set(rows["pick"]["answer"].map(len)) == set(PICKS)
+    return rows
 
 
 @pytest.fixture(scope="module")
@@ -84,12 +111,16 @@ def in_window(
     with start(display, *sittings) as lab:
         for study in studies:
             answers = dict(enumerate(simulated[study.name]["answer"]))
-            take_in_window(display, lab, study, answers)
+            take_in_window(display, lab, study, answers, read_labels(few.path("regions.png")))
     return folder / "rows.sqlite"
 
 
 def take_in_window(
-    display: Display, lab: LabProcess, study: Study, answers: Mapping[int, Answer]
+    display: Display,
+    lab: LabProcess,
+    study: Study,
+    answers: Mapping[int, Answer],
+    regions: NDArray[np.uint8],
 ) -> None:
     """Take a study from consent to thanks, by mouse and keyboard in turns."""
     while (page := lab.next_page()) != "completed":
@@ -98,7 +129,9 @@ def take_in_window(
             display.press("Return")
             continue
         index, answer = int(number), answers[int(number)]
-        if isinstance(answer, tuple):
+        if study.task == "pick" and isinstance(answer, tuple):
+            pick_in_window(display, answer, regions, by_mouse=index % 2 == 1)
+        elif isinstance(answer, tuple):
             rank_in_window(display, answer, by_mouse=index % 2 == 1)
             display.press("Return")
         elif study.name == "two-alternative" and index % 2:
@@ -135,6 +168,26 @@ def rank_in_window(display: Display, ranks: tuple[int, ...], *, by_mouse: bool) 
             selected = target
 
 
+def pick_in_window(
+    display: Display, labels: tuple[int, ...], regions: NDArray[np.uint8], *, by_mouse: bool
+) -> None:
+    """Pick objects, one of them after another that is taken back."""
+    taken_back = 8 if 8 not in labels else 7
+    display.press("Return")  # nothing is picked: no answer yet
+    display.press(str(taken_back))
+    display.press(str(taken_back))
+    if not by_mouse:
+        for label in labels:
+            display.press(str(label))
+        display.press("Return")
+        return
+    ((x, y),) = middles(display.screenshot())
+    area = Area(x - WIDTH_PX // 2, y - HEIGHT_PX // 2, WIDTH_PX, HEIGHT_PX)
+    for label in reversed(labels):
+        display.click(*point_in(regions, label, area))
+    display.click(640, 712)  # the button below the image
+
+
 def steps_to(ranks: tuple[int, ...]) -> Iterator[tuple[int, int]]:
     """Yield from where to where images go, so that their ranks are these."""
     order = Order.as_shown(len(ranks))
@@ -159,12 +212,16 @@ def in_browser(
         for study in studies:
             answers = dict(enumerate(simulated[study.name]["answer"]))
             with running_server(create_app(study, few, store)) as url:
-                take_in_browser(browser, f"{url}/s/{study.name}/", study, answers)
+                take_in_browser(browser, f"{url}/s/{study.name}/", study, few, answers)
     return data
 
 
 def take_in_browser(
-    browser: Browser, address: str, study: Study, answers: Mapping[int, Answer]
+    browser: Browser,
+    address: str,
+    study: Study,
+    stimuli: StimulusSet,
+    answers: Mapping[int, Answer],
 ) -> None:
     """Take a study from consent to thanks, by mouse and keyboard in turns."""
     participant = Participant(browser.new_context(**DESKTOP), address)
@@ -174,9 +231,13 @@ def take_in_browser(
     participant.press("Begin")
     for index, answer in answers.items():
         page.get_by_text(f"Image {index + 1} of {len(answers)}").wait_for()
-        page.locator(".trial footer button:enabled").first.wait_for()
+        page.locator(".trial .picture:not(.hidden)").first.wait_for()
+        if study.task != "pick":
+            page.locator(".trial footer button:enabled").first.wait_for()
         page.wait_for_timeout(40)  # the answer is awaited from the frame after the onset
-        if isinstance(answer, tuple):
+        if study.task == "pick" and isinstance(answer, tuple):
+            pick_in_browser(participant, answer, stimuli, by_mouse=index % 2 == 1)
+        elif isinstance(answer, tuple):
             rank_in_browser(page, answer, by_mouse=index % 2 == 1)
             participant.press("Done")
         elif study.name == "two-alternative" and index % 2:
@@ -187,6 +248,27 @@ def take_in_browser(
             page.keyboard.press(f"Arrow{arrow}" if index % 2 else key)
     participant.code()
     assert participant.complaints == []
+
+
+def pick_in_browser(
+    participant: Participant, labels: tuple[int, ...], stimuli: StimulusSet, *, by_mouse: bool
+) -> None:
+    """Pick objects, one of them after another that is taken back."""
+    page, taken_back = participant.page, 8 if 8 not in labels else 7
+    done = page.get_by_role("button", name="Done")
+    assert done.is_disabled()
+    page.keyboard.press(str(taken_back))
+    page.keyboard.press(str(taken_back))
+    for label in labels:
+        if by_mouse:
+            page.mouse.click(*participant.point_of(stimuli, label))
+        else:
+            page.keyboard.press(str(label))
+    assert page.locator(".outline").count() == len(labels)
+    if by_mouse:
+        done.click()
+    else:
+        page.keyboard.press("Enter")
 
 
 def rank_in_browser(page: Page, ranks: tuple[int, ...], *, by_mouse: bool) -> None:
@@ -213,5 +295,5 @@ def test_rows_agree_in_all_but_time_device_and_runner(
         assert set(rows["runner"]) == {runner}
         assert not rows["simulated"].any()
         assert (rows["reaction_time_s"] >= 0).all()
-        if name in ("two-alternative", "ranking") and runner == "lab":
-            assert set(rows["input"]) == {"keyboard"} | ({"mouse"} if "two" in name else set())
+        if name in ("two-alternative", "ranking", "pick") and runner == "lab":
+            assert set(rows["input"]) == {"keyboard"} | ({"mouse"} if name != "ranking" else set())

@@ -33,7 +33,7 @@ def test_a_study_is_described_with_what_a_participant_needs(
     assert told["choices"] == study.stimuli.choices
     assert told["timing"]["blank_s"] == study.timing.blank_s
     assert told["timing"]["time_limit_s"] is None
-    assert told["answers"] == {"labels": None, "ties": False}
+    assert told["answers"] == {"labels": None, "ties": False, "picks": None}
     assert told["accepting"] is True
 
 

@@ -6,8 +6,11 @@ const TIMEOUT_S = 20;
 
 export type DemographicsField = "age" | "gender" | "artistic_background";
 export type Gender = "female" | "male" | "other" | "undisclosed";
-export type Task = "odd-one-out" | "two-alternative" | "yes-no" | "ranking";
-/** By task: a label, a place from 1, 1 for yes and 0 for no, or the rank of each image shown. */
+export type Task = "odd-one-out" | "two-alternative" | "yes-no" | "ranking" | "pick";
+/**
+ * By task: a label, a place from 1, 1 for yes and 0 for no, the rank of each image shown, or the
+ * labels picked, from the smallest on.
+ */
 export type AnswerValue = number | number[];
 export type InputKind = "mouse" | "touch" | "keyboard" | "none";
 
@@ -26,7 +29,7 @@ export interface Study {
   instructions: string[];
   language: string;
   task: Task;
-  /** Of `odd-one-out` only. */
+  /** Of `odd-one-out` and `pick` only. */
   choices: number | null;
   consent: { version: string; text: string };
   demographics: DemographicsField[];
@@ -37,8 +40,13 @@ export interface Study {
     mask_s: number | null;
     time_limit_s: number | null;
   };
-  answers: { labels: [string, string] | null; ties: boolean };
-  example: (Picture & { answer: number }) | null;
+  answers: {
+    labels: [string, string] | null;
+    ties: boolean;
+    /** How many objects are picked, at least and at most; of `pick` only. */
+    picks: [number, number] | null;
+  };
+  example: (Picture & { answer: AnswerValue }) | null;
   accepting: boolean;
 }
 

@@ -1,5 +1,6 @@
 /** The picture on the page: image, object numbers and, where the answer is told, an outline. */
 
+import type { AnswerValue } from "./api";
 import { element } from "./dom";
 import { message } from "./messages";
 import { fitImage, numberPlaces } from "./placement";
@@ -11,13 +12,14 @@ const NUMBER_SIZE = 20;
 const NUMBER_GAP = 2;
 
 /** Shows one stimulus in an area of the page and keeps it in place when the window changes. */
-export class Stage implements Exhibit<number> {
+export class Stage implements Exhibit<AnswerValue> {
   /** The area; the picture is centred in it. */
   readonly area = element("div", { class: "stage" });
   /** The number buttons by label. */
   readonly numbers = new Map<number, HTMLButtonElement>();
   private readonly regions: Regions;
   private readonly picture: HTMLElement;
+  private readonly outlines = new Map<number, SVGSVGElement>();
   private readonly stopListening = new AbortController();
 
   constructor({ image, regions }: Stimulus, choices: number) {
@@ -62,8 +64,30 @@ export class Stage implements Exhibit<number> {
     return this.regions.labelUnder(event.clientX, event.clientY, shown);
   }
 
-  /** Draw the outline of a region. */
-  mark(label: number): void {
+  /** Draw the outline of a region, or of several. */
+  mark(answer: AnswerValue): void {
+    for (const label of [answer].flat()) {
+      this.setOutlined(label, true);
+    }
+  }
+
+  /** Draw or remove the outline of a region. */
+  setOutlined(label: number, outlined: boolean): void {
+    this.outlines.get(label)?.remove();
+    this.outlines.delete(label);
+    if (outlined) {
+      const outline = this.outlineOf(label);
+      this.outlines.set(label, outline);
+      this.picture.append(outline);
+    }
+  }
+
+  /** Stop following the window. */
+  dispose(): void {
+    this.stopListening.abort();
+  }
+
+  private outlineOf(label: number): SVGSVGElement {
     const { regions } = this;
     const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     svg.setAttribute("viewBox", `0 0 ${regions.width_px} ${regions.height_px}`);
@@ -76,12 +100,7 @@ export class Stage implements Exhibit<number> {
       path.setAttribute("class", className);
       svg.append(path);
     }
-    this.picture.append(svg);
-  }
-
-  /** Stop following the window. */
-  dispose(): void {
-    this.stopListening.abort();
+    return svg;
   }
 
   private addNumbers(): void {

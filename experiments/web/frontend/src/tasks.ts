@@ -4,6 +4,7 @@ import type { AnswerValue, Study, Trial } from "./api";
 import { message } from "./messages";
 import { PictureRow, pairNames, pairRow, pictureOf } from "./picture-row";
 import OddOneOutPlugin from "./plugins/odd-one-out";
+import PickPlugin from "./plugins/pick";
 import RankingPlugin from "./plugins/ranking";
 import TwoAlternativePlugin from "./plugins/two-alternative";
 import YesNoPlugin from "./plugins/yes-no";
@@ -15,7 +16,8 @@ type Plugin =
   | typeof OddOneOutPlugin
   | typeof TwoAlternativePlugin
   | typeof YesNoPlugin
-  | typeof RankingPlugin;
+  | typeof RankingPlugin
+  | typeof PickPlugin;
 
 /** A trial of some task. */
 export interface Presentation {
@@ -39,6 +41,11 @@ const TASKS: Record<Study["task"], Present> = {
     ask: { type: OddOneOutPlugin, choices },
     exhibit: () => new Stage(...(stimuli as [Stimulus]), choices ?? 0),
     name: (answer) => message("odd_one_out.right", { answer: String(answer) }),
+  }),
+  pick: ({ choices, answers }, stimuli) => ({
+    ask: { type: PickPlugin, choices, picks: answers.picks },
+    exhibit: () => new Stage(...(stimuli as [Stimulus]), choices ?? 0),
+    name: (answer) => message("pick.right", { answer: [answer].flat().join(", ") }),
   }),
   "two-alternative": ({ timing }, stimuli, { index }) => ({
     ask: { type: TwoAlternativePlugin, ...durations(timing), seed: index },

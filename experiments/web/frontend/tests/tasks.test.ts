@@ -1,9 +1,10 @@
 import { afterEach, describe, expect, it } from "vitest";
 import { maskGreys } from "../src/mask";
+import PickPlugin from "../src/plugins/pick";
 import RankingPlugin from "../src/plugins/ranking";
 import TwoAlternativePlugin from "../src/plugins/two-alternative";
 import YesNoPlugin from "../src/plugins/yes-no";
-import { plainStimulus } from "./drawn";
+import { drawnStimulus, plainStimulus } from "./drawn";
 import { key, press, runTrial } from "./trial";
 
 afterEach(() => {
@@ -23,6 +24,12 @@ const PAIR = {
 };
 const JUDGED = { type: YesNoPlugin, stimuli: images(1), labels: ["Real", "Edited"], image_s: null };
 const RANKED = { type: RankingPlugin, stimuli: images(4), ends: ["best", "worst"], ties: true };
+const PICKED = {
+  type: PickPlugin,
+  stimuli: () => [drawnStimulus()],
+  choices: 8,
+  picks: [1, 2],
+};
 const SHOWN = ".picture:not(.hidden)";
 
 describe.each([
@@ -156,6 +163,43 @@ describe("ranking", () => {
       expect(labels[1]).toBe("Image 1, rank 2 of 4");
       done();
     });
+  });
+});
+
+describe("pick", () => {
+  const done = () => nth("button.primary", 0) as HTMLButtonElement;
+  const held = () => all(".number[aria-pressed=true]").map((each) => each.textContent);
+
+  it("takes picks back, and one too many in place of the last", async () => {
+    const data = await runTrial(PICKED, SHOWN, async () => {
+      expect(done().disabled).toBe(true);
+      for (const [code, expected] of [
+        ["5", "5"],
+        ["5", ""],
+        ["8", "8"],
+        ["2", "2,8"],
+        ["3", "3,8"],
+      ] as const) {
+        key(`Digit${code}`, code);
+        await Promise.resolve();
+        await Promise.resolve();
+        expect(held().join()).toBe(expected);
+        expect(all(".outline").length).toBe(held().length);
+        expect(done().disabled).toBe(expected === "");
+      }
+      expect(nth("[role=status]", 0)?.textContent).toBe("Chosen: 3, 8");
+      key("Enter", "Enter", nth(".number", 0)); // meant for that number, not for the button
+      await Promise.resolve();
+      press(done());
+    });
+    expect(data).toMatchObject({ answer: [3, 8], input: "mouse" });
+  });
+
+  it("ends without an answer at the time limit, whatever was picked before", async () => {
+    const data = await runTrial({ ...PICKED, time_limit_s: 0.15 }, SHOWN, () => {
+      key("Digit1", "1");
+    });
+    expect(data).toMatchObject({ answer: null, reaction_time_s: null, input: "none" });
   });
 });
 

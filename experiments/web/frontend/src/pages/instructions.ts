@@ -1,6 +1,6 @@
-/** The instructions, with an example whose odd object is outlined. */
+/** The instructions, with an example whose right objects are outlined. */
 
-import type { Study } from "../api";
+import type { AnswerValue, Study } from "../api";
 import { element, pressed, showPage } from "../dom";
 import { message } from "../messages";
 import { Stage } from "../stage";
@@ -9,7 +9,7 @@ import type { Stimulus } from "../stimulus";
 /** The example as it is shown: a decoded stimulus and its right answer. */
 export interface Example {
   stimulus: Stimulus;
-  answer: number;
+  answer: AnswerValue;
 }
 
 /**
@@ -49,7 +49,9 @@ class ExampleFigure {
     choices: number,
   ) {
     const { width_px, height_px } = example.stimulus;
-    const caption = message("instructions.example", { answer: example.answer });
+    const labels = [example.answer].flat();
+    const key = labels.length > 1 ? "instructions.example_several" : "instructions.example";
+    const caption = message(key, { answer: labels.join(", ") });
     this.stage = new Stage(example.stimulus, choices);
     this.stage.area.style.aspectRatio = `${width_px} / ${height_px}`;
     this.stage.area.style.maxWidth = `${width_px}px`;
