@@ -18,8 +18,9 @@ from typing import Any, get_args
 import numpy as np
 
 from benchmarks.results import machine, write_result
-from experiments.item_observers import ItemObserver, simulate_comparisons
+from experiments.item_observers import ItemObserver
 from experiments.observers import Observer, simulate_responses
+from experiments.simulation import simulate_in_process
 from experiments.store import Store
 from experiments.study import Study, Task, load_study
 from experiments.trials import Assignment, planned_trials
@@ -63,7 +64,7 @@ def collect(study: Study, stimuli: StimulusSet, path: Path, answers: int) -> dic
             fill_store(store, study, stimuli, rows)
         else:
             judge = ItemObserver(QUALITIES, spread=0.5)
-            simulate_comparisons(study, stimuli, store, judge, participants, generator)
+            simulate_in_process(study, stimuli, store, judge, participants, generator)
     return {"participants": participants, "answers": participants * trials}
 
 

@@ -2,10 +2,11 @@
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -14,11 +15,15 @@ from rich.progress import Progress
 
 from algorithms.errors import InputError
 from experiments import store_cli
+from experiments.course import course_of
 from experiments.study import CHOOSES, Study, check_stimuli, load_study
 from experiments.template import write_template
-from experiments.trials import Assignment, planned_trials
+from experiments.trials import Assignment
 from stimuli.manifest import StimulusSet
 from stimuli.manifest import load as load_stimuli
+
+if TYPE_CHECKING:
+    from experiments.simulation import AnyObserver
 
 # Servers, databases and windows are imported by the commands that need them, so that the others
 # start at once.
@@ -68,11 +73,13 @@ def check(
         "digest": loaded.digest,
     }
     if stimuli is not None:
-        trials = planned_trials(loaded, _verified(loaded, stimuli), Assignment(1))
-        facts["practice_trials"] = sum(trial.phase == "practice" for trial in trials)
-        facts["main_trials"] = sum(trial.phase == "main" for trial in trials)
+        course = course_of(loaded, _verified(loaded, stimuli), Assignment(1))
+        caught = 0 if loaded.catch is None else loaded.catch.trials
+        main = "main_trials_at_most" if loaded.design.is_adaptive else "main_trials"
+        facts["practice_trials"] = course.practice
+        facts[main] = course.limit - course.practice - caught
         if loaded.catch is not None:
-            facts["catch_trials"] = sum(trial.phase == "catch" for trial in trials)
+            facts["catch_trials"] = caught
     _print_facts(facts, as_json)
 
 
@@ -135,44 +142,70 @@ def simulate(
     ] = None,
     spread: Annotated[float, typer.Option(help="Of participants' qualities, in JOD.")] = 0.0,
     position_bias: Annotated[float, typer.Option(help="Of the first place, in JOD.")] = 0.0,
+    fatigue: Annotated[
+        float, typer.Option(help="By how much the lapse rate grows over 100 trials.")
+    ] = 0.0,
+    in_process: Annotated[
+        bool, typer.Option("--in-process", help="Into the store without a server: faster.")
+    ] = False,
+    repeat: Annotated[
+        int,
+        typer.Option(min=1, help="Independent runs, each into a store and with a seed of its own."),
+    ] = 1,
     seed: Annotated[int, typer.Option(min=0, help="Fixes every random choice.")] = 2011,
     concurrency: Annotated[int, typer.Option(min=1, help="How many at the same time.")] = 4,
     as_json: Json = False,
 ) -> None:
-    """Let simulated observers take a study, through the real web interface."""
+    """Let simulated observers take a study, through the real web interface or in process.
+
+    Run n of --repeat goes to the store of that name with -n, and has the seed plus n - 1.
+    """
     from experiments.item_observers import ItemObserver
     from experiments.observers import Observer
-    from experiments.web.simulate import simulate_over_http
 
     loaded = load_study(study)
     stimulus_set = _verified(loaded, stimuli)
-    generator = np.random.default_rng(seed)
+    if (in_process or repeat > 1) and (data is None or url is not None):
+        raise InputError("data: needed, and no --url, for --in-process and --repeat")
     observer: Observer | ItemObserver
-    if loaded.task in CHOOSES:
+    by_level = loaded.task == "yes-no" and loaded.stimuli.level and qualities is None
+    if loaded.task in CHOOSES or by_level:
         observer = Observer(
             threshold=_threshold_of(threshold),
             width=width,
             lapse_rate=lapse_rate,
             condition=condition,
             salience=_salience_of(salience),
+            fatigue=fatigue,
         )
     else:
         if qualities is None:
             raise InputError(f"qualities: needed to simulate {loaded.task}")
         given = _pairs("qualities", qualities)
-        observer = ItemObserver(given, spread, position_bias, lapse_rate=lapse_rate)
-    with _server_for(url, data, loaded, stimulus_set) as address, _progress(participants) as bar:
-        sessions = simulate_over_http(
-            address,
-            participants,
-            observer,
-            loaded,
-            stimulus_set,
-            generator,
-            concurrency=concurrency,
-            on_completed=lambda _: bar.advance(bar.task_ids[0]),
+        observer = ItemObserver(
+            given, spread, position_bias, lapse_rate=lapse_rate, fatigue=fatigue
         )
-    _print_facts({"simulated_sessions": len(sessions), "seed": seed}, as_json)
+    runs = _runs(data, repeat)
+    sessions: list[str] = []
+    with _progress(participants * repeat) as bar:
+        for number, store in enumerate(runs):
+            simulation = _Simulation(
+                loaded,
+                stimulus_set,
+                observer,
+                participants,
+                np.random.default_rng(seed + number),
+                concurrency,
+                lambda _: bar.advance(bar.task_ids[0]),
+            )
+            if in_process and store is not None:
+                sessions += simulation.in_process(store)
+            else:
+                sessions += simulation.over_http(url, store)
+    facts: dict[str, Any] = {"simulated_sessions": len(sessions), "seed": seed}
+    if repeat > 1:
+        facts["stores"] = [str(store) for store in runs]
+    _print_facts(facts, as_json)
 
 
 @app.command("run-lab")
@@ -243,6 +276,66 @@ def run_lab(
             "left early; the same command goes on" if session.completed_at is None else "completed"
         )
         typer.echo(f"session {session.id}: {ended}")
+
+
+@dataclass(frozen=True)
+class _Simulation:
+    """Simulated observers who take a study."""
+
+    study: Study
+    stimuli: StimulusSet
+    observer: "AnyObserver"
+    participants: int
+    generator: np.random.Generator
+    concurrency: int
+    on_completed: Callable[[str], None]
+
+    def over_http(self, url: str | None, data: str | None) -> list[str]:
+        """Take it through a server, or one that fills a store meanwhile; return the sessions."""
+        from experiments.web.simulate import simulate_over_http
+
+        with _server_for(url, data, self.study, self.stimuli) as address:
+            return simulate_over_http(
+                address,
+                self.participants,
+                self.observer,
+                self.study,
+                self.stimuli,
+                self.generator,
+                concurrency=self.concurrency,
+                on_completed=self.on_completed,
+            )
+
+    def in_process(self, data: str) -> list[str]:
+        """Take it without a server; return the sessions."""
+        from experiments.simulation import simulate_in_process
+        from experiments.store import Store
+
+        with Store.open(data) as store:
+            sessions = simulate_in_process(
+                self.study,
+                self.stimuli,
+                store,
+                self.observer,
+                self.participants,
+                self.generator,
+                self.on_completed,
+            )
+        return [session.id for session in sessions]
+
+
+def _runs(data: str | None, repeat: int) -> list[str | None]:
+    """Return the store of each run."""
+    if repeat == 1 or data is None:
+        return [data]
+    if "://" in data:
+        raise InputError("data: a SQLite file accepted with --repeat, one is made for each run")
+    path, digits = Path(data), len(str(repeat))
+    runs = [path.with_stem(f"{path.stem}-{run:0{digits}d}") for run in range(1, repeat + 1)]
+    taken = next((run for run in runs if run.exists()), None)
+    if taken is not None:
+        raise InputError(f"data: {taken} is already there; the runs are to be independent")
+    return [str(run) for run in runs]
 
 
 def _verified(study: Study, folder: Path) -> StimulusSet:

@@ -1,5 +1,7 @@
 """The course of one session: which trials are decided so far, and why."""
 
+import hashlib
+import json
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -168,6 +170,7 @@ class AdaptiveCourse(Course):
         self.limit = len(self._beforehand) + self._rule.limit
         self._decided: list[_Decided] = []
         self._answers: list[Answer] = []
+        self._digest = hashlib.sha256()
         self._decide()
 
     @property
@@ -210,17 +213,22 @@ class AdaptiveCourse(Course):
             raise InputError(f"trial_index: {trial_index} given, it is not decided yet")
         trial = self.next
         self._answers.append(answer)
+        self._digest.update(json.dumps(answer).encode() + b"\n")
         if trial.phase == "main":
             self._learn(trial, answer)
         self._decide()
 
     def decision(self, trial_index: int) -> Detail | None:
-        """Return why a decided trial was chosen; None for practice and catch trials."""
+        """Return why a decided trial was chosen, after which answers (their SHA-256).
+
+        None for practice and catch trials, which no answer changes.
+        """
         return self._decided[trial_index].detail
 
     def estimates(self) -> Detail | None:
-        """Return what the answers so far have told."""
-        return self._rule.estimates()
+        """Return what the answers so far have told, and their SHA-256."""
+        found = self._rule.estimates()
+        return {"estimates": found, "answers_sha256": self._digest.hexdigest()}
 
     def _fixed_trials(self) -> dict[int, tuple[Phase, Shown]]:
         """Return the trials that no answer changes, by their index: practice and catch trials."""
@@ -246,7 +254,7 @@ class AdaptiveCourse(Course):
         chosen_now = self._rule.choose(before, np.random.default_rng([*self._seed, index]))
         if chosen_now is not None:
             shown, why = chosen_now
-            detail = {"trial_index": index, **why}
+            detail = {"trial_index": index, **why, "answers_sha256": self._digest.hexdigest()}
             self._decided.append(_Decided(Trial(index, "main", shown), detail))
 
     def _learn(self, trial: Trial, answer: Answer) -> None:

@@ -8,12 +8,8 @@ import numpy as np
 from scipy.special import ndtri
 
 from algorithms.errors import InputError
-from experiments.answers import Measurement, make_response
-from experiments.responses import Session
-from experiments.store import NewSession, Store
+from experiments.presentations import Answer
 from experiments.study import Study
-from experiments.trials import Answer, Assignment, planned_trials
-from stimuli.manifest import StimulusSet
 
 NOISE_OF_A_DIFFERENCE: Final = float(1 / ndtri(0.75))
 """Standard deviation of the difference of two perceived qualities, in just-objectionable
@@ -40,6 +36,8 @@ class ItemObserver:
         The perceived quality from which an image is called real, in JOD.
     lapse_rate
         The share of answers that are pure guesses, 0 to 1.
+    fatigue
+        By how much that grows over a hundred trials, 0 or more.
     median_time_s, time_spread
         Of an answer, and the standard deviation of its logarithm.
 
@@ -58,6 +56,7 @@ class ItemObserver:
     position_bias: float = 0.0
     criterion: float = 0.0
     lapse_rate: float = 0.02
+    fatigue: float = 0.0
     median_time_s: float = 4.0
     time_spread: float = 0.5
 
@@ -65,6 +64,7 @@ class ItemObserver:
         for name, low, high in (
             ("spread", 0.0, np.inf),
             ("lapse_rate", 0.0, 1.0),
+            ("fatigue", 0.0, np.inf),
             ("time_spread", 0.0, np.inf),
         ):
             if not low <= getattr(self, name) <= high:
@@ -84,6 +84,12 @@ class ItemObserver:
             },
         )
 
+    def after(self, trials: int) -> "ItemObserver":
+        """Return the observer as they are after so many trials."""
+        if self.fatigue == 0:
+            return self
+        return replace(self, lapse_rate=min(self.lapse_rate + self.fatigue * trials / 100, 1.0))
+
     def answer(
         self, study: Study, items: Sequence[str], generator: np.random.Generator
     ) -> tuple[Answer, float]:
@@ -97,7 +103,14 @@ class ItemObserver:
             What is shown, in its places.
         generator
             Where chance comes from.
+
+        Raises
+        ------
+        InputError
+            If the study's task is none of these, or an item has no quality.
         """
+        if study.task not in _ANSWERS:
+            raise InputError(f"task: {study.task} given, {', '.join(_ANSWERS)} accepted")
         missing = [item for item in items if item not in self.qualities]
         if missing:
             raise InputError(f"qualities: none is given for {study.stimuli.item} {missing[0]!r}")
@@ -113,9 +126,10 @@ class ItemObserver:
     def describe(self) -> str:
         """Return the observer's parameters in one line, as the answers' `device` keeps them."""
         qualities = ", ".join(f"{item} {quality:g}" for item, quality in self.qualities.items())
+        tired = f"; fatigue {self.fatigue:g}" if self.fatigue else ""
         return (
             f"simulated observer: qualities in JOD {qualities}; spread {self.spread:g}; position"
-            f" bias {self.position_bias:g}; lapse rate {self.lapse_rate:g}"
+            f" bias {self.position_bias:g}; lapse rate {self.lapse_rate:g}{tired}"
         )
 
 
@@ -137,68 +151,3 @@ _ANSWERS: Mapping[str, Callable[[ItemObserver, np.ndarray], Answer]] = {
     "ranking": _rank,
     "yes-no": _judge,
 }
-
-
-def simulate_comparisons(
-    study: Study,
-    stimuli: StimulusSet,
-    store: Store,
-    observer: ItemObserver,
-    participants: int,
-    generator: np.random.Generator,
-) -> list[Session]:
-    """Let simulated participants take a study of comparisons, straight into a store.
-
-    Parameters
-    ----------
-    study, stimuli
-        What they take; both are registered in the store.
-    store
-        Where their answers go, every row flagged `simulated`.
-    observer
-        How they answer.
-    participants
-        How many, 1 or more.
-    generator
-        Where chance comes from.
-
-    Returns
-    -------
-    Their sessions, all completed.
-
-    Raises
-    ------
-    InputError
-        If the study's task is none of these, or an item has no quality.
-    """
-    if study.task not in _ANSWERS:
-        raise InputError(f"task: {study.task} given, {', '.join(_ANSWERS)} accepted")
-    if participants < 1:
-        raise InputError(f"participants: {participants} given, 1 or more accepted")
-    store.register(study, stimuli)
-    return [
-        _take(study, stimuli, store, observer.participant(generator), generator)
-        for _ in range(participants)
-    ]
-
-
-def _take(
-    study: Study,
-    stimuli: StimulusSet,
-    store: Store,
-    participant: ItemObserver,
-    generator: np.random.Generator,
-) -> Session:
-    new = NewSession("simulation", participant.describe(), {}, {}, simulated=True)
-    session, _ = store.begin_session(study, stimuli, new)
-    item = study.stimuli.item
-    assert item is not None
-    for trial in planned_trials(study, stimuli, Assignment(session.participant_number)):
-        items = [str(stimuli[identifier].factors[item]) for identifier in trial.stimuli]
-        answer, time_s = participant.answer(study, items, generator)
-        measured = Measurement(time_s, None, None, None, None, "none")
-        store.record(make_response(study, stimuli, session, trial.index, answer, measured))
-    store.complete(session.id)
-    completed = store.session(session.id)
-    assert completed is not None
-    return completed

@@ -1,7 +1,7 @@
 """Simulated observers: programs that answer a study's trials with a known psychometric function."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -33,7 +33,8 @@ class Observer:
 
     which is exactly the psychometric function that is fitted (`psychometric_function`). With
     salience the observer is biased: g gives way to the odd object's share of the salience.
-    Where nothing is odd (controls) the choice is by salience alone.
+    Where nothing is odd (controls) the choice is by salience alone. In `yes-no` the observer
+    notices with that probability what an image is (g = 1/2), and else says yes or no alike.
 
     In `pick` every inserted object is noticed with that probability d, each by itself. How many
     objects are picked is drawn evenly between the least and the most, or is the number of those
@@ -48,6 +49,8 @@ class Observer:
         The levels from F = 5 % to F = 95 %, more than 0.
     lapse_rate
         The share of wrong answers however clear the difference; 0 to 0.5.
+    fatigue
+        By how much the lapse rate grows over a hundred trials, 0 or more; it stays within 0.5.
     condition
         The factor that `threshold` depends on, such as `placement`; None for a single threshold.
     salience
@@ -71,6 +74,7 @@ class Observer:
     threshold: float | Mapping[str, float]
     width: float
     lapse_rate: float = 0.02
+    fatigue: float = 0.0
     condition: str | None = None
     salience: Mapping[int, float] | None = None
     noticed_time_s: float = 5.0
@@ -80,6 +84,7 @@ class Observer:
     def __post_init__(self) -> None:
         _require(self.width > 0, "width", self.width, "more than 0")
         _require(0 <= self.lapse_rate <= 0.5, "lapse_rate", self.lapse_rate, "0 to 0.5")
+        _require(0 <= self.fatigue < np.inf, "fatigue", self.fatigue, "0 or more")
         weights = (self.salience or {}).values()
         _require(all(weight >= 0 for weight in weights), "salience", self.salience, "0 or more")
         times = min(self.noticed_time_s, self.guessed_time_s)
@@ -88,10 +93,16 @@ class Observer:
         if isinstance(self.threshold, Mapping) != (self.condition is not None):
             raise InputError("condition: given when, and only when, there are several thresholds")
 
+    def after(self, trials: int) -> "Observer":
+        """Return the observer as they are after so many trials."""
+        if self.fatigue == 0:
+            return self
+        return replace(self, lapse_rate=min(self.lapse_rate + self.fatigue * trials / 100, 0.5))
+
     def answer(
         self, study: Study, stimulus: Stimulus, generator: np.random.Generator
     ) -> tuple[int | tuple[int, ...], float]:
-        """Return the chosen label, or those picked, and the time in seconds that it took.
+        """Return the chosen label, those picked, or 1 for yes and 0 for no; and the seconds taken.
 
         Parameters
         ----------
@@ -104,6 +115,8 @@ class Observer:
         """
         if study.task == "pick":
             return _pick(self, study, stimulus, generator)
+        if study.task == "yes-no":
+            return _judge(self, study, stimulus, generator)
         shown = _Shown.of(study, [stimulus], self)
         labels, times_s = _answer_all(self, study.choices, shown, generator)
         return int(labels[0]), float(times_s[0])
@@ -116,6 +129,7 @@ class Observer:
         else:
             threshold_text = f"{threshold:g}"
         bias = "" if self.salience is None else "; guesses by salience"
+        bias += f"; fatigue {self.fatigue:g}" if self.fatigue else ""
         return (
             f"simulated observer: threshold {threshold_text}; width {self.width:g};"
             f" lapse rate {self.lapse_rate:g}{bias}"
@@ -148,14 +162,18 @@ def simulate_responses(
     """
     _require(participants >= 1, "participants", participants, "1 or more")
     plans = [planned_trials(study, stimuli, Assignment(n + 1)) for n in range(participants)]
+    trials = [trial for plan in plans for trial in plan]
     if study.task == "pick":
-        seen = [stimuli[trial.stimuli[0]] for plan in plans for trial in plan]
-        picked = [_pick(observer, study, stimulus, generator) for stimulus in seen]
+        picked = [
+            _pick(observer.after(trial.index), study, stimuli[trial.stimuli[0]], generator)
+            for trial in trials
+        ]
         return _frame(study, stimuli, observer, plans, *zip(*picked, strict=True))
     number_of = {stimulus.id: number for number, stimulus in enumerate(stimuli.stimuli)}
     shown = _Shown.of(study, stimuli.stimuli, observer)
-    order = [number_of[trial.stimuli[0]] for plan in plans for trial in plan]
-    labels, times_s = _answer_all(observer, study.choices, shown.take(order), generator)
+    shown = shown.take([number_of[trial.stimuli[0]] for trial in trials])
+    shown = shown.tired(observer, [trial.index for trial in trials])
+    labels, times_s = _answer_all(observer, study.choices, shown, generator)
     return _frame(study, stimuli, observer, plans, labels.tolist(), times_s.tolist())
 
 
@@ -166,6 +184,7 @@ class _Shown:
     level: Floats
     threshold: Floats
     odd: Labels
+    lapse_rate: Floats
 
     @classmethod
     def of(
@@ -176,16 +195,22 @@ class _Shown:
             level=np.array([_number(stimulus, level) for stimulus in stimuli], np.float64),
             threshold=np.array([_threshold(observer, s) for s in stimuli], np.float64),
             odd=np.array([_odd(stimulus) for stimulus in stimuli], np.int64),
+            lapse_rate=np.full(len(stimuli), observer.lapse_rate),
         )
 
     def take(self, order: list[int]) -> "_Shown":
-        return _Shown(self.level[order], self.threshold[order], self.odd[order])
+        return _Shown(*(each[order] for each in vars(self).values()))
+
+    def tired(self, observer: Observer, trials: list[int]) -> "_Shown":
+        lapse_rate = [observer.after(trial).lapse_rate for trial in trials]
+        return replace(self, lapse_rate=np.array(lapse_rate, np.float64))
 
 
 def _answer_all(
     observer: Observer, choices: int, shown: _Shown, generator: np.random.Generator
 ) -> tuple[Labels, Floats]:
-    notice_rate = _notice_rate(observer, choices, shown.level, shown.threshold)
+    lapse_rate, level, threshold = shown.lapse_rate, shown.level, shown.threshold
+    notice_rate = _notice_rate(lapse_rate, choices, level, threshold, observer.width)
     size = len(shown.level)
     noticed = (generator.random(size) < notice_rate) & (shown.odd > 0)
     guesses = generator.choice(np.arange(1, choices + 1), size=size, p=_shares(observer, choices))
@@ -195,10 +220,15 @@ def _answer_all(
 
 
 def _notice_rate(
-    observer: Observer, choices: int, level: ArrayLike, threshold: ArrayLike
+    lapse_rate: ArrayLike, choices: int, level: ArrayLike, threshold: ArrayLike, width: float
 ) -> Floats:
-    lapses = observer.lapse_rate / (1 - 1 / choices)
-    return (1 - lapses) * sigmoid(level, threshold, observer.width)
+    lapses = np.asarray(lapse_rate) / (1 - 1 / choices)
+    return np.asarray((1 - lapses) * sigmoid(level, threshold, width))
+
+
+def _rate_of(observer: Observer, study: Study, stimulus: Stimulus, choices: int) -> float:
+    level, threshold = _number(stimulus, _level(study)), _threshold(observer, stimulus)
+    return float(_notice_rate(observer.lapse_rate, choices, level, threshold, observer.width))
 
 
 def _pick(
@@ -206,8 +236,7 @@ def _pick(
 ) -> tuple[tuple[int, ...], float]:
     assert study.answers.picks is not None  # the study has seen to it
     least, most = study.answers.picks
-    level, threshold = _number(stimulus, _level(study)), _threshold(observer, stimulus)
-    rate = float(_notice_rate(observer, study.choices, level, threshold))
+    rate = _rate_of(observer, study, stimulus, study.choices)
     noticed = [label for label in stimulus.right_labels if generator.random() < rate]
     picked = [int(label) for label in generator.permutation(noticed)[:most]]
     wanted = int(generator.integers(least, most + 1))
@@ -225,6 +254,16 @@ def _level(study: Study) -> str:
     if study.stimuli.level is None:
         raise InputError("stimuli.level: an observer needs a study that names its level")
     return study.stimuli.level
+
+
+def _judge(
+    observer: Observer, study: Study, stimulus: Stimulus, generator: np.random.Generator
+) -> tuple[int, float]:
+    rate, truth = _rate_of(observer, study, stimulus, 2), stimulus.answer
+    noticed = isinstance(truth, int) and bool(generator.random() < rate)
+    said = truth if isinstance(truth, int) and noticed else generator.integers(2)
+    median_s = observer.noticed_time_s if noticed else observer.guessed_time_s
+    return int(said), median_s * float(generator.lognormal(0, observer.time_spread))
 
 
 def _shares(observer: Observer, choices: int) -> Floats:

@@ -1,5 +1,7 @@
 """The commands of `trompe study` for what a store holds."""
 
+import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -98,4 +100,39 @@ def backup(
     typer.echo(f"wrote {output}")
 
 
-COMMANDS = (export, bundle, exclude, withdraw, backup)
+def replay(
+    data: Annotated[str, typer.Argument(metavar="DATA", help="A response store, or a bundle.")],
+    session: Annotated[
+        str | None, typer.Argument(metavar="SESSION", help="Its id; without it all sessions.")
+    ] = None,
+    study: OneStudy = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Machine-readable output.")] = False,
+) -> None:
+    """Decide every trial anew from the answers before it, and compare; exit 1 if one differs.
+
+    Sessions of other versions of the study, and withdrawn ones, are passed over.
+    """
+    from experiments.collection import load_collection
+    from experiments.replay import replay_session
+
+    held = load_collection(data, study)
+    version = (held.study.digest, held.stimuli.digest)
+    replayed = [
+        replay_session(held.study, held.stimuli, one, held.responses, held.events)
+        for one in held.sessions
+        if session in (None, one.id)
+        and (one.study_digest, one.stimuli_digest) == version
+        and one.withdrawn_at is None
+    ]
+    if not replayed:
+        raise InputError(f"session: {session or 'none'} of this version of {held.study.name}")
+    if as_json:
+        typer.echo(json.dumps([asdict(each) for each in replayed]))
+    else:
+        for each in replayed:
+            typer.echo(f"{each.session}  {each.trials} trials  {each.difference or 'the same'}")
+    if any(each.difference is not None for each in replayed):
+        raise typer.Exit(1)
+
+
+COMMANDS = (export, bundle, exclude, withdraw, backup, replay)

@@ -1,6 +1,7 @@
 """Simulated participants who take a study through the real HTTP interface."""
 
-from collections.abc import Callable
+import hashlib
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -10,9 +11,8 @@ import numpy as np
 
 from algorithms.errors import InputError
 from experiments.demographics import GENDERS
-from experiments.item_observers import ItemObserver
-from experiments.observers import Observer
 from experiments.responses import response_id
+from experiments.simulation import AnyObserver, answer_trial, device_of, person_of
 from experiments.study import Study
 from experiments.trials import Answer, Assignment, Trial, planned_trials
 from experiments.web.exhibits import shown_png
@@ -24,7 +24,7 @@ _TIMEOUT_S = 60.0
 def simulate_over_http(
     url: str,
     participants: int,
-    observer: Observer | ItemObserver,
+    observer: AnyObserver,
     study: Study,
     stimuli: StimulusSet,
     generator: np.random.Generator,
@@ -36,8 +36,9 @@ def simulate_over_http(
     """Let simulated participants take a study that is being served.
 
     They know what is odd from the stimulus set on disk and from the number that the server gave
-    them, never from what the server sends. Every answer is flagged `simulated`. The answers
-    depend on the generator and the participants' numbers alone, not on who comes first.
+    them (of an adaptive design: from the images), never from what the server says. Every answer is
+    flagged `simulated`. The answers depend on the generator and the participants' numbers alone,
+    not on who comes first; of active pairs on what others have answered, too.
 
     Parameters
     ----------
@@ -71,9 +72,11 @@ def simulate_over_http(
         if value < 1:
             raise InputError(f"{name}: {value} given, 1 or more accepted")
     seed = int(generator.integers(2**63))
+    pictures = _pictures(stimuli) if study.design.is_adaptive else {}
 
     def take_part(client: httpx.Client) -> tuple[int, str]:
-        number, session = _Visit(client, observer, study, stimuli, seed, images).take_part()
+        visit = _Visit(client, observer, study, stimuli, seed, images, pictures)
+        number, session = visit.take_part()
         if on_completed is not None:
             on_completed(session)
         return number, session
@@ -81,6 +84,14 @@ def simulate_over_http(
     with _client(url) as client, ThreadPoolExecutor(concurrency) as pool:
         finished = list(pool.map(take_part, [client] * participants))
     return [session for _, session in sorted(finished)]
+
+
+def _pictures(stimuli: StimulusSet) -> dict[str, str]:
+    """Return the stimuli's ids by the SHA-256 of their images as they are sent."""
+    return {
+        hashlib.sha256(shown_png(stimuli.path(each.file).read_bytes())).hexdigest(): each.id
+        for each in stimuli.stimuli
+    }
 
 
 def _client(url: str) -> httpx.Client:
@@ -95,30 +106,57 @@ class _Visit:
     """One simulated participant."""
 
     client: httpx.Client
-    observer: Observer | ItemObserver
+    observer: AnyObserver
     study: Study
     stimuli: StimulusSet
     seed: int
     images: int
+    pictures: Mapping[str, str]
 
     def take_part(self) -> tuple[int, str]:
         """Take the study from consent to completion; return the number and the session."""
         begun = self._begin()
         session, number = str(begun["session"]), int(begun["participant_number"])
         token, base = str(begun["token"]), f"/api/sessions/{session}"
-        generator = np.random.default_rng([self.seed, number])
-        observer = self.observer
-        if isinstance(observer, ItemObserver):
-            observer = observer.participant(generator)
-        trials = planned_trials(self.study, self.stimuli, Assignment(number))
+        person, generator = person_of(self.observer, self.seed, number)
         told = self._call("GET", base, token).json()["trials"]
-        self._compare_images(trials, told, token)
-        for trial in trials:
-            self._call(
-                "POST", f"{base}/answers", token, self._answer(session, trial, observer, generator)
-            )
+
+        def take(trial: Trial) -> dict[str, Any]:
+            answered = answer_trial(person, self.study, self.stimuli, trial, generator)
+            message = self._answer(session, trial, *answered)
+            reply: dict[str, Any] = self._call("POST", f"{base}/answers", token, message).json()
+            return reply
+
+        if self.study.design.is_adaptive:
+            self._follow(told[0], token, take)
+        else:
+            trials = planned_trials(self.study, self.stimuli, Assignment(number))
+            self._compare_images(trials, told, token)
+            for trial in trials:
+                take(trial)
         self._call("POST", f"{base}/complete", token)
         return number, session
+
+    def _follow(
+        self, first: dict[str, Any], token: str, take: Callable[[Trial], dict[str, Any]]
+    ) -> None:
+        """Take one trial after the other as the server decides them, known by their images."""
+        told: dict[str, Any] | None = first
+        known: dict[str, str] = {}
+        while told is not None:
+            addresses = [picture["image"] for picture in told["pictures"]]
+            for address in addresses:
+                if address not in known:
+                    known[address] = self._recognised(self._call("GET", address, token).content)
+            shown = tuple(known[address] for address in addresses)
+            told = take(Trial(told["index"], told["phase"], shown))["next"]
+
+    def _recognised(self, image: bytes) -> str:
+        """Return the id of the stimulus whose image this is."""
+        found = self.pictures.get(hashlib.sha256(image).hexdigest())
+        if found is None:
+            raise InputError("url: the server shows other images than the set given here")
+        return found
 
     def _begin(self) -> dict[str, Any]:
         # Nobody has an age or a gender here; the study may ask for them all the same.
@@ -127,7 +165,7 @@ class _Visit:
             "consent_version": self.study.consent.version,
             "demographics": {key: said[key] for key in self.study.demographics},
             "screen": {},
-            "device": f"{self.observer.describe()}; seed {self.seed}",
+            "device": device_of(self.observer, self.seed),
             "simulated": True,
         }
         path = f"/api/studies/{self.study.name}/sessions"
@@ -149,19 +187,8 @@ class _Visit:
                     raise InputError("url: the server shows other images than the set given here")
 
     def _answer(
-        self,
-        session: str,
-        trial: Trial,
-        observer: Observer | ItemObserver,
-        generator: np.random.Generator,
+        self, session: str, trial: Trial, answer: Answer, reaction_time_s: float
     ) -> dict[str, Any]:
-        shown = [self.stimuli[identifier] for identifier in trial.stimuli]
-        answer: Answer
-        if isinstance(observer, ItemObserver):
-            items = [str(each.factors[self.study.stimuli.item or ""]) for each in shown]
-            answer, reaction_time_s = observer.answer(self.study, items, generator)
-        else:
-            answer, reaction_time_s = observer.answer(self.study, shown[0], generator)
         return {
             "id": response_id(session, trial.index),
             "trial_index": trial.index,

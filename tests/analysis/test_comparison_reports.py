@@ -15,8 +15,8 @@ from analysis.report.page import analyse, differences
 from experiments.item_observers import (
     NOISE_OF_A_DIFFERENCE,
     ItemObserver,
-    simulate_comparisons,
 )
+from experiments.simulation import simulate_in_process
 from experiments.store import Store
 from experiments.study import Study, Task
 from stimuli.manifest import StimulusSet
@@ -33,8 +33,8 @@ def report_of(
     observer = ItemObserver(QUALITIES, lapse_rate=0.0, criterion=0.2)
     asked = comparison_study(study, task)
     with Store.open(folder / "answers.sqlite") as store:
-        generator = np.random.default_rng(8)
-        simulate_comparisons(asked, stimuli, store, observer, participants, generator)
+        generator = np.random.default_rng(9)
+        simulate_in_process(asked, stimuli, store, observer, participants, generator)
     analyse(folder / "answers.sqlite", folder / "report")
     return folder / "report"
 
@@ -183,8 +183,8 @@ def two_items(
     asked = Study.model_validate(asked.model_dump() | {"analysis": {"equivalence_margin": 0.15}})
     with Store.open(folder / "answers.sqlite") as store:
         observer = ItemObserver(qualities, lapse_rate=0.0)
-        generator = np.random.default_rng(8)
-        simulate_comparisons(asked, stimuli, store, observer, participants, generator)
+        generator = np.random.default_rng(9)
+        simulate_in_process(asked, stimuli, store, observer, participants, generator)
     analyse(folder / "answers.sqlite", folder / "report")
     return visible_text((folder / "report" / "report.html").read_text())
 

@@ -8,8 +8,9 @@ import pytest
 
 from algorithms.errors import InputError
 from analysis.answers.comparison_tables import item_names, judgement_table, pair_table, rank_table
-from experiments.item_observers import ItemObserver, simulate_comparisons
+from experiments.item_observers import ItemObserver
 from experiments.responses import responses_frame
+from experiments.simulation import simulate_in_process
 from experiments.store import Store
 from experiments.study import Study, Task
 from stimuli.manifest import StimulusSet
@@ -25,7 +26,7 @@ def answered(study: Study, drawn_set: StimulusSet, store: Store) -> Any:  # noqa
     def simulate(task: Task) -> tuple[Study, pd.DataFrame]:
         asked = comparison_study(study, task)
         generator = np.random.default_rng(3)
-        simulate_comparisons(asked, drawn_set, store, OBSERVER, 3, generator)
+        simulate_in_process(asked, drawn_set, store, OBSERVER, 3, generator)
         return asked, responses_frame(store.responses(study=asked.name))
 
     return simulate

@@ -178,8 +178,9 @@ def test_tracks_of_conditions_are_interleaved_and_end_by_their_rule(
     tracks = [str(each["track"]) for each in decisions if each is not None]
     assert set(tracks) == {"placement=front", "placement=back", "placement=front-back"}
     assert tracks[:9] != sorted(tracks[:9])
-    estimates = course.estimates()
-    assert estimates is not None
+    told = course.estimates()
+    assert told is not None
+    estimates = told["estimates"]
     for name, found in estimates.items():
         assert found["sd"] <= 9.0 or found["trials"] == 30
         assert found["trials"] == Counter(tracks)[name]

@@ -10,7 +10,8 @@ from typer.testing import CliRunner
 from algorithms.errors import InputError
 from experiments.cli import app
 from experiments.collection import Collection, load_collection, write_bundle
-from experiments.item_observers import ItemObserver, simulate_comparisons
+from experiments.item_observers import ItemObserver
+from experiments.simulation import simulate_in_process
 from experiments.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
@@ -24,7 +25,7 @@ def data(study: Study, drawn_set: StimulusSet, tmp_path: Path) -> Path:
     observer = ItemObserver({"front": 0.0, "back": 1.0, "front-back": 2.0})
     with Store.open(path) as store:
         asked = comparison_study(study, "ranking")
-        (session,) = simulate_comparisons(
+        (session,) = simulate_in_process(
             asked, drawn_set, store, observer, 1, np.random.default_rng(1)
         )
         store.add_event(session.id, "focus lost", {"trial": 3})

@@ -18,9 +18,10 @@ from algorithms.errors import InputError
 from experiments.answers import Measurement, make_response
 from experiments.cli import app
 from experiments.designs import ordered
-from experiments.item_observers import NOISE_OF_A_DIFFERENCE, ItemObserver, simulate_comparisons
+from experiments.item_observers import NOISE_OF_A_DIFFERENCE, ItemObserver
 from experiments.ordering import Order, is_ranking
 from experiments.responses import Session, load_responses
+from experiments.simulation import simulate_in_process
 from experiments.store import NewSession, Store
 from experiments.study import Study, Task, load_study
 from experiments.trials import Assignment, Trial, planned_trials
@@ -188,7 +189,7 @@ def simulated(
 ) -> list[Session]:
     """Return the sessions of simulated participants, from a fixed seed."""
     generator = np.random.default_rng(1)
-    return simulate_comparisons(study, stimuli, store, observer, participants, generator)
+    return simulate_in_process(study, stimuli, store, observer, participants, generator)
 
 
 def test_pairs_are_preferred_as_thurstone_says(

@@ -12,9 +12,10 @@ from pydantic import ValidationError
 from algorithms.errors import InputError
 from analysis.answers.exclusions import apply_rule, catch_answers
 from experiments.designs import block_order, block_rows, drawn_subset, next_number
-from experiments.item_observers import ItemObserver, simulate_comparisons
+from experiments.item_observers import ItemObserver
 from experiments.responses import responses_frame
 from experiments.right_answers import is_right, right_answer
+from experiments.simulation import simulate_in_process
 from experiments.store import NewSession, Store
 from experiments.study import Study, check_stimuli
 from experiments.study_parts import Design
@@ -170,7 +171,7 @@ def test_who_guesses_in_catch_trials_is_left_out(
     guessing = ItemObserver(dict.fromkeys(ITEMS, 0.0), lapse_rate=1.0)
     generator = np.random.default_rng(5)
     for observer in (seeing, guessing):
-        simulate_comparisons(paired, drawn_set, store, observer, 3, generator)
+        simulate_in_process(paired, drawn_set, store, observer, 3, generator)
     rows = responses_frame(store.responses())
     caught = catch_answers(rows, paired, drawn_set)
     main = rows[rows["phase"] == "main"]

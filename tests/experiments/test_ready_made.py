@@ -9,8 +9,9 @@ import pytest
 from typer.testing import CliRunner
 
 from experiments.cli import app
-from experiments.item_observers import ItemObserver, simulate_comparisons
+from experiments.item_observers import ItemObserver
 from experiments.observers import Observer, simulate_responses
+from experiments.simulation import simulate_in_process
 from experiments.store import Store
 from experiments.study import check_stimuli, load_study
 from experiments.trials import Assignment, planned_trials
@@ -64,7 +65,7 @@ def test_simulated_observers_take_it(name: str, drawn: StimulusSet, store: Store
         assert len(rows) == 2 * trials
         return
     items = {str(stimulus.factors["method"]) for stimulus in drawn.stimuli}
-    simulate_comparisons(study, drawn, store, ItemObserver(dict.fromkeys(items, 0.0)), 2, generator)
+    simulate_in_process(study, drawn, store, ItemObserver(dict.fromkeys(items, 0.0)), 2, generator)
     assert len(store.responses()) == 2 * trials
 
 

@@ -13,11 +13,14 @@ from scipy import ndimage
 
 from algorithms.images import read_labels
 from experiments import load_responses
-from experiments.item_observers import ItemObserver, simulate_comparisons
+from experiments.collection import load_collection
+from experiments.item_observers import ItemObserver
 from experiments.lab.geometry import Area
 from experiments.observers import Observer, simulate_responses
 from experiments.ordering import Order
-from experiments.responses import DEVICE_COLUMNS, TIMING_COLUMNS
+from experiments.replay import replay_session
+from experiments.responses import DECISION, DEVICE_COLUMNS, ESTIMATES, POOL, TIMING_COLUMNS
+from experiments.simulation import simulate_in_process
 from experiments.store import Store
 from experiments.study import Study
 from experiments.trials import Answer
@@ -47,9 +50,11 @@ TIMINGS = {
     "in-turn": IN_TURN,
     "yes-no": BRIEF,
     "ranking": BRIEF,
+    "active-pairs": BRIEF,
     "pick": BRIEF,
 }
 PICKS = (1, 2)
+ACTIVE: dict[str, Any] = {"kind": "active-pairs", "active_pairs": {"trials": 6}}
 
 
 @pytest.fixture(scope="module")
@@ -67,8 +72,9 @@ def studies(study: Study) -> list[Study]:
         if name == "pick":
             asked = pick_study(study, PICKS)
         else:
-            task: Any = "two-alternative" if name == "in-turn" else name
-            asked = comparison_study(study, task)
+            task: Any = "two-alternative" if name in ("in-turn", "active-pairs") else name
+            design = ACTIVE if name == "active-pairs" else {}
+            asked = comparison_study(study, task, **design)
         content = asked.model_dump(mode="json")
         studies.append(Study.model_validate(content | changes))
     return studies
@@ -84,7 +90,7 @@ def simulated(
     compared = [study for study in studies if study.task != "pick"]
     with Store.open(data) as store:
         for study in compared:
-            simulate_comparisons(study, few, store, observer, 1, np.random.default_rng(7))
+            simulate_in_process(study, few, store, observer, 1, np.random.default_rng(7))
     rows = {study.name: load_responses(data, study.name) for study in compared}
     generator = np.random.default_rng(7)
     rows["pick"] = simulate_responses(studies[-1], few, Observer(90, 30), 1, generator)
@@ -230,7 +236,8 @@ def take_in_browser(
     participant.consent()
     participant.press("Begin")
     for index, answer in answers.items():
-        page.get_by_text(f"Image {index + 1} of {len(answers)}").wait_for()
+        of = ", at most" if study.design.is_adaptive else " of"
+        page.get_by_text(f"Image {index + 1}{of} {len(answers)}").wait_for()
         page.locator(".trial .picture:not(.hidden)").first.wait_for()
         if study.task != "pick":
             page.locator(".trial footer button:enabled").first.wait_for()
@@ -297,3 +304,17 @@ def test_rows_agree_in_all_but_time_device_and_runner(
         assert (rows["reaction_time_s"] >= 0).all()
         if name in ("two-alternative", "ranking", "pick") and runner == "lab":
             assert set(rows["input"]) == {"keyboard"} | ({"mouse"} if name != "ranking" else set())
+
+
+def test_decisions_of_an_adaptive_design_agree_and_are_replayed(
+    in_window: Path, in_browser: Path
+) -> None:
+    logged = []
+    for store in (in_window, in_browser):
+        held = load_collection(store, "active-pairs")
+        (session,) = held.sessions
+        replayed = replay_session(held.study, held.stimuli, session, held.responses, held.events)
+        assert (replayed.trials, replayed.difference) == (6, None)
+        logged.append([e.detail for e in held.events if e.kind in (POOL, DECISION, ESTIMATES)])
+    assert logged[0] == logged[1]
+    assert len(logged[0]) == 8

@@ -1,0 +1,123 @@
+"""Simulated participants without a server: straight into a store."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from algorithms.errors import InputError
+from experiments.answers import Measurement, response_in
+from experiments.course import course_of
+from experiments.item_observers import ItemObserver
+from experiments.observers import Observer
+from experiments.pool import assignment_of
+from experiments.presentations import Answer, Trial
+from experiments.responses import POOL, Session
+from experiments.store import NewSession, Store
+from experiments.study import Study
+from stimuli.manifest import StimulusSet
+
+AnyObserver = Observer | ItemObserver
+
+
+def answer_trial(
+    observer: AnyObserver,
+    study: Study,
+    stimuli: StimulusSet,
+    trial: Trial,
+    generator: np.random.Generator,
+) -> tuple[Answer, float]:
+    """Return an observer's answer to a trial, and the seconds that it took."""
+    shown = [stimuli[identifier] for identifier in trial.stimuli]
+    if isinstance(observer, Observer):
+        return observer.after(trial.index).answer(study, shown[0], generator)
+    items = [str(each.factors.get(study.stimuli.item or "")) for each in shown]
+    return observer.after(trial.index).answer(study, items, generator)
+
+
+def person_of(
+    observer: AnyObserver, seed: int, number: int
+) -> tuple[AnyObserver, np.random.Generator]:
+    """Return the participant of a number, and where the chance in their answers comes from.
+
+    Both depend on seed and number alone: the same participant answers alike through the web's
+    interface and without it.
+    """
+    generator = np.random.default_rng([seed, number])
+    if isinstance(observer, ItemObserver):
+        observer = observer.participant(generator)
+    return observer, generator
+
+
+def device_of(observer: AnyObserver, seed: int) -> str:
+    """Return what the rows keep as the device of a simulated participant."""
+    return f"{observer.describe()}; seed {seed}"
+
+
+def simulate_in_process(
+    study: Study,
+    stimuli: StimulusSet,
+    store: Store,
+    observer: AnyObserver,
+    participants: int,
+    generator: np.random.Generator,
+    on_completed: Callable[[str], None] | None = None,
+) -> list[Session]:
+    """Let simulated participants take a study, one after the other, straight into a store.
+
+    Parameters
+    ----------
+    study, stimuli
+        What they take; both are registered in the store.
+    store
+        Where their answers go, every row flagged `simulated`.
+    observer
+        How they answer: an `ItemObserver` in comparisons and judgements.
+    participants
+        How many, 1 or more.
+    generator
+        Where chance comes from.
+    on_completed
+        Called with each session that is complete.
+
+    Returns
+    -------
+    Their sessions, all completed.
+
+    Raises
+    ------
+    InputError
+        If the observer cannot answer the study's task, or has no value for what is shown.
+    """
+    if participants < 1:
+        raise InputError(f"participants: {participants} given, 1 or more accepted")
+    store.register(study, stimuli)
+    seed = int(generator.integers(2**63))
+    sessions = []
+    for _ in range(participants):
+        sessions.append(_take(study, stimuli, store, observer, seed))
+        if on_completed is not None:
+            on_completed(sessions[-1].id)
+    return sessions
+
+
+def _take(
+    study: Study, stimuli: StimulusSet, store: Store, observer: AnyObserver, seed: int
+) -> Session:
+    new = NewSession("simulation", device_of(observer, seed), {}, {}, simulated=True)
+    session, _ = store.begin_session(study, stimuli, new)
+    person, generator = person_of(observer, seed, session.participant_number)
+    events = store.events(session=session.id, kind=POOL)
+    course = course_of(study, stimuli, assignment_of(session, events))
+    stored = []
+    while (trial := course.next) is not None:
+        answer, time_s = answer_trial(person, study, stimuli, trial, generator)
+        measured = Measurement(time_s, None, None, None, None, "none")
+        response = response_in(course.trials, study, session, trial.index, answer, measured)
+        stored.append(store.submit(response, course.decision(trial.index)))
+        course.take(trial.index, answer)
+    for each in stored:
+        each.result()
+    store.complete(session.id, course.estimates())
+    completed = store.session(session.id)
+    assert completed is not None
+    return completed
