@@ -90,7 +90,7 @@ def simulated(
     compared = [study for study in studies if study.task != "pick"]
     with Store.open(data) as store:
         for study in compared:
-            simulate_in_process(study, few, store, observer, 1, np.random.default_rng(7))
+            simulate_in_process(study, few, store, observer, 1, np.random.default_rng(2))
     rows = {study.name: load_responses(data, study.name) for study in compared}
     generator = np.random.default_rng(7)
     rows["pick"] = simulate_responses(studies[-1], few, Observer(90, 30), 1, generator)
