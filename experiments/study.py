@@ -15,6 +15,7 @@ from experiments.study_parts import (
     Consent,
     DemographicsField,
     Design,
+    Display,
     Exclusion,
     Name,
     Part,
@@ -66,7 +67,7 @@ _LATER_KEYS = {
     "answers": ("picks",),
     "exclusion": ("catch_level", "least_catch_share", "largest_late_share"),
 }
-_LATER_PARTS = ("answers", "catch", "analysis")
+_LATER_PARTS = ("answers", "catch", "analysis", "display")
 # Keys that only some tasks have a use for.
 _TASKS_OF_KEY: tuple[tuple[str, tuple[Task, ...]], ...] = (
     ("design.one_of_each", ("odd-one-out", "yes-no", "pick")),
@@ -103,6 +104,7 @@ class Study(Part):
     answers: Answers = Answers()
     consent: Consent
     demographics: tuple[DemographicsField, ...] = ()
+    display: Display = Display()
     screen: Screen = Screen()
     stopping: Stopping
     exclusion: Exclusion = Exclusion()

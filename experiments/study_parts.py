@@ -310,6 +310,29 @@ class Consent(Part):
     text: Text
 
 
+class Display(Part):
+    """How large images are shown; left out: pixel by pixel where they fit, else smaller.
+
+    Attributes
+    ----------
+    width_deg
+        The width of a trial's widest image in degrees of visual angle, its middle straight ahead;
+        the other images of the trial are in proportion.
+    width_px
+        The same in pixels of the window.
+    """
+
+    width_deg: float | None = Field(default=None, gt=0, le=120)
+    width_px: int | None = Field(default=None, ge=1, le=10_000)
+
+    @model_validator(mode="after")
+    def _check_unit(self) -> Self:
+        """Refuse two units at once."""
+        if self.width_deg is not None and self.width_px is not None:
+            raise ValueError("width_deg, width_px: one of them accepted, not both")
+        return self
+
+
 class Screen(Part):
     """The smallest usable window, in CSS pixels on the web and in pixels in the lab."""
 

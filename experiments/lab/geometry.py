@@ -3,11 +3,16 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from algorithms.errors import InputError
+
 Size = tuple[int, int]
 
 # Between neighbours in a grid, as on the web.
 _GAP_SHARE = 0.02
 _LEAST_GAP_PX = 8
+
+# A width that was asked for is not to lose a pixel to the last digit of a scale.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -86,8 +91,10 @@ class Placement:
         )
 
 
-def fit(image_width_px: int, image_height_px: int, available: Area) -> Placement:
-    """Place an image in the middle of an area, shrunk to fit and never enlarged.
+def fit(
+    image_width_px: int, image_height_px: int, available: Area, width_px: int | None = None
+) -> Placement:
+    """Place an image in the middle of an area.
 
     Its edges lie on whole pixels of the window, so that an image shown at its own size is shown
     pixel by pixel; the web places images alike.
@@ -98,6 +105,13 @@ def fit(image_width_px: int, image_height_px: int, available: Area) -> Placement
         The size of the image.
     available
         The area; at least one pixel wide and high.
+    width_px
+        How wide the image is shown; None for its own size, shrunk to fit and never enlarged.
+
+    Raises
+    ------
+    InputError
+        If it does not fit at that width.
 
     Examples
     --------
@@ -105,14 +119,19 @@ def fit(image_width_px: int, image_height_px: int, available: Area) -> Placement
     Area(left_px=0, top_px=175, width_px=100, height_px=50)
     """
     size = (image_width_px, image_height_px)
-    area = _centred(size, available, _fitting_scale(size, available.width_px, available.height_px))
+    scale = _scale(_largest_scale(size, available.width_px, available.height_px), size, width_px)
+    area = _centred(size, available, scale)
     return Placement(area, image_width_px, image_height_px)
 
 
 def fit_grid(
-    sizes_px: Sequence[Size], available: Area, columns: int | None = None, caption_px: int = 0
+    sizes_px: Sequence[Size],
+    available: Area,
+    columns: int | None = None,
+    caption_px: int = 0,
+    width_px: int | None = None,
 ) -> list[Area]:
-    """Place images in a grid in the middle of an area, all at one scale, as large as they fit.
+    """Place images in a grid in the middle of an area, all at one scale.
 
     Parameters
     ----------
@@ -124,20 +143,32 @@ def fit_grid(
         How many side by side; None for as many as make the images largest.
     caption_px
         The height of the line above each image.
+    width_px
+        How wide the widest is shown; None: as large as they fit, and never enlarged.
+
+    Raises
+    ------
+    InputError
+        If they do not fit at that width.
     """
     gap_px = max(_LEAST_GAP_PX, round(_GAP_SHARE * available.width_px))
     largest = (max(width for width, _ in sizes_px), max(height for _, height in sizes_px))
     count = len(sizes_px)
 
-    def scale(across: int) -> float:
+    def largest_scale(across: int) -> float:
         down = -(-count // across)
-        width_px = (available.width_px - gap_px * (across - 1)) / across
+        room_px = (available.width_px - gap_px * (across - 1)) / across
         height_px = (available.height_px - gap_px * (down - 1)) / down - caption_px
-        return _fitting_scale(largest, width_px, height_px)
+        return _largest_scale(largest, room_px, height_px)
+
+    def rank(across: int) -> tuple[float, int]:
+        room = largest_scale(across)
+        return min(1.0, room) if width_px is None else room, -(-count % across)
 
     # Of grids with images of one size, the one with fewest empty places is best.
-    across = columns or max(range(count, 0, -1), key=lambda n: (scale(n), -(-count % n)))
-    cell = _centred(largest, Area(0, 0, 0, 0), scale(across))
+    across = columns or max(range(count, 0, -1), key=rank)
+    scale = _scale(largest_scale(across), largest, width_px)
+    cell = _centred(largest, Area(0, 0, 0, 0), scale)
     step_px = (cell.width_px + gap_px, cell.height_px + caption_px + gap_px)
     down = -(-count // across)
     left_px = available.left_px + (available.width_px - across * step_px[0] + gap_px) // 2
@@ -151,18 +182,30 @@ def fit_grid(
                 cell.width_px,
                 cell.height_px,
             ),
-            scale(across),
+            scale,
         )
         for n, size in enumerate(sizes_px)
     ]
 
 
-def _fitting_scale(size_px: Size, width_px: float, height_px: float) -> float:
-    return min(1.0, width_px / size_px[0], height_px / size_px[1])
+def _largest_scale(size_px: Size, width_px: float, height_px: float) -> float:
+    return min(width_px / size_px[0], height_px / size_px[1])
+
+
+def _scale(largest: float, size_px: Size, width_px: int | None) -> float:
+    """Return the scale that makes an image so wide, or lets it fit where no width is given."""
+    if width_px is None:
+        return min(1.0, largest)
+    if width_px > largest * size_px[0] + _ROUNDING:
+        raise InputError(
+            f"display: images {width_px} pixels wide do not fit into the window,"
+            f" at most {int(largest * size_px[0] + _ROUNDING)} pixels accepted"
+        )
+    return width_px / size_px[0]
 
 
 def _centred(size_px: Size, available: Area, scale: float) -> Area:
-    width_px, height_px = (max(1, int(side * scale)) for side in size_px)
+    width_px, height_px = (max(1, int(side * scale + _ROUNDING)) for side in size_px)
     return Area(
         available.left_px + (available.width_px - width_px) // 2,
         available.top_px + (available.height_px - height_px) // 2,

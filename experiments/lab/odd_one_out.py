@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from experiments.lab.geometry import Area, Size, fit
 from experiments.lab.pictures import Picture, load_picture
 from experiments.lab.presenter import Presentation, Scene
 from experiments.lab.task_view import TaskView
@@ -14,7 +15,11 @@ class OddOneOutView(TaskView[Picture]):
     """Shows an image; a click on an object, or its number, is the answer."""
 
     def _load(self, stimulus: Stimulus) -> Picture:
-        return load_picture(self.window, self.stimuli, stimulus, self.area)
+        return load_picture(self.window, self.stimuli, stimulus, self.area, self.width_px)
+
+    def places(self, sizes_px: Sequence[Size]) -> list[Area]:
+        """Return where images of these sizes lie when they are shown at once."""
+        return [fit(*size, self.area, self.width_px).area for size in sizes_px]
 
     def present(self, trial: Trial) -> Presentation:
         """Prepare a trial, its stimuli loaded."""

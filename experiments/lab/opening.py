@@ -7,7 +7,8 @@ from contextlib import contextmanager
 from importlib import import_module
 from types import ModuleType
 
-from algorithms.errors import InputError, UnavailableError
+from algorithms.errors import UnavailableError
+from experiments.lab.monitor import find_monitor
 from experiments.lab.window import LabWindow, WindowSettings
 
 
@@ -23,9 +24,8 @@ def open_window(settings: WindowSettings, announce: Callable[[str], None]) -> It
         If PsychoPy or a display is missing; the message says how to get it.
     """
     with _told_in_one_line():
-        window = LabWindow(
-            _import_visual(), _uncorrected_monitor(settings.monitor), settings, announce
-        )
+        visual = _import_visual()
+        window = LabWindow(visual, find_monitor(settings.monitor), settings, announce)
     try:
         window.check_screen()
         yield window
@@ -61,20 +61,3 @@ def _import_visual() -> ModuleType:
     prefs.hardware["audioLib"] = []
     logging.console.setLevel(logging.ERROR)
     return import_module("psychopy.visual")
-
-
-def _uncorrected_monitor(name: str | None) -> object:
-    """Return a monitor of the named one's size and distance, without its gamma."""
-    from psychopy import monitors
-
-    known = monitors.getAllMonitors()
-    if name is not None and name not in known:
-        raise InputError(
-            f"monitor: {name!r} is not in PsychoPy's Monitor Center; there are: {', '.join(known)}"
-        )
-    monitor = monitors.Monitor("uncorrected")
-    if name is not None:
-        calibrated = monitors.Monitor(name)
-        monitor.setWidth(calibrated.getWidth())
-        monitor.setDistance(calibrated.getDistance())
-    return monitor

@@ -1,6 +1,7 @@
 """Stimuli in the window: their image, the numerals of their objects, an outlined object."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,7 +9,7 @@ from PIL import Image
 
 from algorithms.errors import InputError
 from algorithms.images import read_labels
-from experiments.lab.geometry import Area, Placement, fit
+from experiments.lab.geometry import Area, Placement, Size, fit
 from experiments.lab.inputs import KeyPress, Press, Release
 from experiments.lab.window import Drawable, LabWindow
 from experiments.regions import Point, Regions, numeral_places, outline
@@ -76,7 +77,11 @@ class Picture:
 
 
 def load_picture(
-    window: LabWindow, stimuli: StimulusSet, stimulus: Stimulus, available: Area
+    window: LabWindow,
+    stimuli: StimulusSet,
+    stimulus: Stimulus,
+    available: Area,
+    width_px: int | None = None,
 ) -> Picture:
     """Load a stimulus onto the graphics card.
 
@@ -88,6 +93,8 @@ def load_picture(
         The set and the stimulus, which must have regions.
     available
         The part of the window that it may fill.
+    width_px
+        How wide it is shown; None for its own size, smaller if it does not fit.
 
     Raises
     ------
@@ -100,7 +107,7 @@ def load_picture(
     regions = read_labels(stimuli.path(stimulus.regions))
     if regions.shape != (image.height, image.width):
         raise InputError(f"stimuli: image and regions of {stimulus.id} differ in size")
-    placement = fit(image.width, image.height, available)
+    placement = fit(image.width, image.height, available, width_px)
     numerals = _numerals_in_window(regions, placement)
     texts = [window.text(str(label), *numerals[label], _NUMERAL_TEXT_PX) for label in numerals]
     layers = (window.image(image, placement.area), *texts)
@@ -113,6 +120,18 @@ def _numerals_in_window(regions: Regions, placement: Placement) -> dict[int, Poi
     return {label: placement.window_point(*place) for label, place in places.items()}
 
 
+def image_size(stimuli: StimulusSet, stimulus: Stimulus) -> Size:
+    """Return the width and height of an image, without reading all of it.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read.
+    """
+    with _opened(stimuli, stimulus) as file:
+        return file.size
+
+
 def shown_image(stimuli: StimulusSet, stimulus: Stimulus) -> Image.Image:
     """Read an image as the sRGB values, 0 to 255, that the window shows unchanged.
 
@@ -121,10 +140,15 @@ def shown_image(stimuli: StimulusSet, stimulus: Stimulus) -> Image.Image:
     InputError
         If the file cannot be read.
     """
+    with _opened(stimuli, stimulus) as file:
+        return file.convert("RGB")
+
+
+@contextmanager
+def _opened(stimuli: StimulusSet, stimulus: Stimulus) -> Iterator[Image.Image]:
     path = stimuli.path(stimulus.file)
     try:
         with Image.open(path) as file:
-            image: Image.Image = file.convert("RGB")
+            yield file
     except OSError as error:
         raise InputError(f"{path}: not an image that can be read") from error
-    return image

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import hypot
 
 from experiments.lab.buttons import BUTTON_RGB, Buttons, above_buttons
-from experiments.lab.geometry import Area, fit_grid
+from experiments.lab.geometry import Area, Size, fit_grid
 from experiments.lab.inputs import Click, KeyPress, Press, Release
 from experiments.lab.pictures import OUTLINE_RGB
 from experiments.lab.presenter import Presentation, Scene
@@ -46,6 +46,8 @@ class Board:
         What the ends are called, best first.
     ties
         Whether images may share a rank.
+    width_px
+        How wide the widest image is shown; None: as large as they fit.
     """
 
     def __init__(
@@ -56,11 +58,12 @@ class Board:
         ends: tuple[str, str],
         *,
         ties: bool,
+        width_px: int | None = None,
     ) -> None:
         self._window, self._pictures, self._ties = window, pictures, ties
-        caption_px = round(_CAPTION * window.height_px)
+        caption_px = caption_height_px(window)
         sizes_px = [picture.size_px for picture in pictures]
-        self._places = fit_grid(sizes_px, area, caption_px=caption_px)
+        self._places = fit_grid(sizes_px, area, caption_px=caption_px, width_px=width_px)
         self._captions = [
             Area(place.left_px, place.top_px - caption_px, place.width_px, caption_px)
             for place in self._places
@@ -173,6 +176,11 @@ class Board:
         return self._texts[words, area]
 
 
+def caption_height_px(window: LabWindow) -> int:
+    """Return the height of the line above each place."""
+    return round(_CAPTION * window.height_px)
+
+
 def _tie_area(caption: Area) -> Area:
     """Return where the button is that makes a place as good as the one before."""
     side_px = caption.height_px - 2 * _TIE_MARGIN_PX
@@ -182,6 +190,11 @@ def _tie_area(caption: Area) -> Area:
 
 class RankingView(PlainTaskView):
     """Shows images to be brought into order; the answer is what stands there at the end."""
+
+    def places(self, sizes_px: Sequence[Size]) -> list[Area]:
+        """Return where images of these sizes lie when they are shown at once."""
+        area, caption_px = above_buttons(self.area, self.window), caption_height_px(self.window)
+        return fit_grid(sizes_px, area, caption_px=caption_px, width_px=self.width_px)
 
     @property
     def how_to(self) -> str:
@@ -216,4 +229,5 @@ class RankingView(PlainTaskView):
             self.pictures(trial),
             self.study.answers.labels or (self.text("ranking.best"), self.text("ranking.worst")),
             ties=ties,
+            width_px=self.width_px,
         )

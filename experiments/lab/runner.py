@@ -81,8 +81,8 @@ def run_lab(
     Raises
     ------
     InputError
-        If an argument is not accepted, the participant has finished, or the window is smaller than
-        the study allows.
+        If an argument is not accepted, the participant has finished, or the window is too small
+        for the study.
     UnavailableError
         If PsychoPy or a display is missing, or the port of the triggers.
     """
@@ -98,6 +98,8 @@ def run_lab(
     with ExitStack() as opened:
         window = opened.enter_context(open_window(settings or WindowSettings(), announce))
         _check_size(study, window)
+        view = view_of(window, study, stimuli)
+        view.check_fit()
         codes = None
         if triggers is not None:
             codes = opened.enter_context(open_triggers(triggers, stimuli, window))
@@ -120,7 +122,6 @@ def run_lab(
         else:
             return None
         files = PsychoPyFiles(folder, study, session, window.refresh_hz)
-        view = view_of(window, study, stimuli)
         events = store.events(session=session.id, kind=POOL)
         answers = store.answers(session.id)
         course = course_of(study, stimuli, assignment_of(session, events), answers)

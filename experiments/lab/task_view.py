@@ -5,12 +5,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from experiments.designs import arrange
 from experiments.lab.geometry import Area, Size
-from experiments.lab.pictures import OUTLINE_RGB, shown_image
+from experiments.lab.pictures import OUTLINE_RGB, image_size, shown_image
 from experiments.lab.presenter import Presentation, stimulus_area
 from experiments.lab.texts import text
+from experiments.lab.visual_angle import image_width_px
 from experiments.lab.window import Drawable, LabWindow, Movable
-from experiments.study import Study
+from experiments.study import Study, chosen
 from experiments.trials import Answer, Trial
 from stimuli.manifest import Stimulus, StimulusSet
 
@@ -44,6 +46,11 @@ class TaskView(ABC, Generic[Loaded]):
     ----------
     window, study, stimuli
         What is shown, and where.
+
+    Raises
+    ------
+    InputError
+        If the study says degrees, and size or distance of the monitor are not known.
     """
 
     def __init__(self, window: LabWindow, study: Study, stimuli: StimulusSet) -> None:
@@ -51,6 +58,9 @@ class TaskView(ABC, Generic[Loaded]):
         self.study = study
         self.stimuli = stimuli
         self.area = stimulus_area(window)
+        self.width_px = image_width_px(
+            study.display, window.pixels_per_cm, window.monitor.distance_cm
+        )
         self.loaded: dict[str, Loaded] = {}
 
     def load(self, identifier: str) -> Loaded:
@@ -75,6 +85,37 @@ class TaskView(ABC, Generic[Loaded]):
     def how_to(self) -> str:
         """How the trials are answered, for the instructions; nothing where the study says it."""
         return ""
+
+    def check_fit(self) -> None:
+        """Check that the images fit into the window if the study says how wide they are.
+
+        Raises
+        ------
+        InputError
+            If they do not, or a file cannot be read.
+        """
+        if self.width_px is None:
+            return
+        main = chosen(self.study, self.stimuli, "main")
+        at_once = max(len(shown) for shown in arrange(self.study, main))
+        if self.study.task == "ranking" and self.study.catch is not None:
+            at_once += 1
+        sizes_px = [
+            image_size(self.stimuli, stimulus)
+            for stimulus in (*main, *chosen(self.study, self.stimuli, "practice"))
+        ]
+        tallest = max(sizes_px, key=lambda size: size[1] / size[0])
+        self.places([tallest] * at_once)
+
+    @abstractmethod
+    def places(self, sizes_px: Sequence[Size]) -> list[Area]:
+        """Return where images of these sizes lie when they are shown at once.
+
+        Raises
+        ------
+        InputError
+            If they do not fit at the width that the study says.
+        """
 
     @abstractmethod
     def present(self, trial: Trial) -> Presentation:

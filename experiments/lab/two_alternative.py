@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from experiments.lab.buttons import Buttons, above_buttons
-from experiments.lab.geometry import Area, fit_grid
+from experiments.lab.geometry import Area, Size, fit_grid
 from experiments.lab.inputs import Click, Press
 from experiments.lab.mask import draw_mask
 from experiments.lab.presenter import Presentation, Scene
@@ -22,6 +22,13 @@ class TwoAlternativeView(PlainTaskView):
     def how_to(self) -> str:
         """How the trials are answered, for the instructions."""
         return self.text("pair.how_to_in_turn" if self.study.timing.in_turn else "pair.how_to")
+
+    def places(self, sizes_px: Sequence[Size]) -> list[Area]:
+        """Return where images of these sizes lie: side by side, or each in the same place."""
+        area = above_buttons(self.area, self.window)
+        if self.study.timing.in_turn:
+            return [fit_grid([size], area, width_px=self.width_px)[0] for size in sizes_px]
+        return fit_grid(sizes_px, area, columns=2, width_px=self.width_px)
 
     def present(self, trial: Trial) -> Presentation:
         """Prepare a trial, its stimuli loaded."""
@@ -42,8 +49,7 @@ class TwoAlternativeView(PlainTaskView):
         return [self.text(key) for key in (TURNS if self.study.timing.in_turn else SIDES)]
 
     def _sides(self, trial: Trial) -> list[Area]:
-        sizes_px = [picture.size_px for picture in self.pictures(trial)]
-        return fit_grid(sizes_px, above_buttons(self.area, self.window), columns=2)
+        return self.places([picture.size_px for picture in self.pictures(trial)])
 
     def _side_by_side(self, trial: Trial) -> Presentation:
         areas, buttons = self._sides(trial), Buttons(self.window, self.area, self._names)
@@ -69,7 +75,7 @@ class TwoAlternativeView(PlainTaskView):
         assert timing.mask_s is not None
         images, masks = [], []
         for number, picture in enumerate(self.pictures(trial)):
-            (area,) = fit_grid([picture.size_px], above_buttons(self.area, self.window))
+            (area,) = self.places([picture.size_px])
             images.append(picture.at(area))
             masks.append(self._mask(picture, area, 2 * trial.index + number))
         first, second = (Scene([image], timing.image_s) for image in images)

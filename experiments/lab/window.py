@@ -12,6 +12,7 @@ from PIL import Image
 from algorithms.errors import InputError
 from experiments.lab.geometry import Area
 from experiments.lab.inputs import Press, Presses, Typed
+from experiments.lab.monitor import Monitor
 from experiments.lab.photodiode import DARK_RGB, LIT_RGB, Photodiode
 
 BACKGROUND_RGB = (128, 128, 128)
@@ -106,7 +107,7 @@ class LabWindow:
     visual
         PsychoPy's module of windows and stimuli.
     monitor
-        PsychoPy's monitor, without a gamma.
+        What is known of the monitor.
     settings
         How the window is opened.
     announce
@@ -116,17 +117,18 @@ class LabWindow:
     def __init__(
         self,
         visual: ModuleType,
-        monitor: object,
+        monitor: Monitor,
         settings: WindowSettings,
         announce: Callable[[str], None],
     ) -> None:
         self._visual = visual
         self._settings = settings
+        self.monitor = monitor
         self._window = visual.Window(
             size=settings.size_px or (1280, 800),
             fullscr=settings.fullscreen,
             screen=settings.screen,
-            monitor=monitor,
+            monitor=monitor.uncorrected(),
             color=BACKGROUND_RGB,
             colorSpace="rgb255",
             units="pix",
@@ -180,10 +182,15 @@ class LabWindow:
         return f"PsychoPy {psychopy.__version__}; {renderer}; {rate}"
 
     @property
+    def pixels_per_cm(self) -> float | None:
+        """How many pixels of the screen a centimetre has, or None if its width is not known."""
+        width_cm = self.monitor.width_cm
+        return self._window.winHandle.screen.width / width_cm if width_cm else None
+
+    @property
     def screen(self) -> dict[str, Any]:
         """What a session keeps of screen, window and monitor."""
-        screen, monitor = self._window.winHandle.screen, self._window.monitor
-        settings = self._settings
+        screen, settings = self._window.winHandle.screen, self._settings
         return {
             "width_px": screen.width,
             "height_px": screen.height,
@@ -191,9 +198,10 @@ class LabWindow:
             "window_height_px": self.height_px,
             "fullscreen": settings.fullscreen,
             "refresh_hz": self.refresh_hz,
-            "monitor": settings.monitor,
-            "monitor_width_cm": monitor.getWidth(),
-            "distance_cm": monitor.getDistance(),
+            "monitor": self.monitor.name,
+            "monitor_width_cm": self.monitor.width_cm,
+            "distance_cm": self.monitor.distance_cm,
+            "monitor_gamma": self.monitor.gamma,
             "photodiode": vars(settings.photodiode) if settings.photodiode else None,
         }
 
@@ -218,11 +226,11 @@ class LabWindow:
 
     def image(self, image: Image.Image, area: Area) -> Movable:
         """Prepare an image; its texture is on the graphics card when this returns."""
-        image_stimulus: Movable = self._visual.ImageStim(
-            self._window, image=image, interpolate=True
-        )
-        self.move(image_stimulus, area)
-        return image_stimulus
+        image_stimulus = self._visual.ImageStim(self._window, image=image, interpolate=True)
+        _keep_to_its_edges(image_stimulus)
+        movable: Movable = image_stimulus
+        self.move(movable, area)
+        return movable
 
     def move(self, image: Movable, area: Area) -> None:
         """Let an image fill an area from the next frame on."""
@@ -333,3 +341,13 @@ class LabWindow:
 
     def _centred(self, x_px: float, y_px: float) -> tuple[float, float]:
         return x_px - self.width_px / 2, self.height_px / 2 - y_px
+
+
+def _keep_to_its_edges(image: Any) -> None:  # noqa: ANN401 - published without types
+    """Let an enlarged image's outermost pixels mix with nothing; PsychoPy mixes them with black."""
+    from pyglet import gl
+
+    gl.glBindTexture(gl.GL_TEXTURE_2D, image._texID)
+    for direction in (gl.GL_TEXTURE_WRAP_S, gl.GL_TEXTURE_WRAP_T):
+        gl.glTexParameteri(gl.GL_TEXTURE_2D, direction, gl.GL_CLAMP_TO_EDGE)
+    gl.glBindTexture(gl.GL_TEXTURE_2D, 0)

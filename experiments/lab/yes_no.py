@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from experiments.lab.buttons import Buttons, above_buttons
-from experiments.lab.geometry import fit_grid
+from experiments.lab.geometry import Area, Size, fit_grid
 from experiments.lab.inputs import Press
 from experiments.lab.presenter import Presentation, Scene
 from experiments.lab.task_view import PlainTaskView
@@ -18,6 +18,11 @@ class YesNoView(PlainTaskView):
     def how_to(self) -> str:
         """How the trials are answered, for the instructions."""
         return self.text("yes_no.how_to", yes=self._labels[0], no=self._labels[1])
+
+    def places(self, sizes_px: Sequence[Size]) -> list[Area]:
+        """Return where images of these sizes lie when they are shown at once."""
+        area = above_buttons(self.area, self.window)
+        return fit_grid(sizes_px, area, columns=1, width_px=self.width_px)
 
     def present(self, trial: Trial) -> Presentation:
         """Prepare a trial, its stimuli loaded."""
@@ -45,4 +50,4 @@ class YesNoView(PlainTaskView):
 
     def _picture(self, trial: Trial) -> list[Drawable]:
         (picture,) = self.pictures(trial)
-        return [picture.at(*fit_grid([picture.size_px], above_buttons(self.area, self.window)))]
+        return [picture.at(*self.places([picture.size_px]))]

@@ -5,9 +5,11 @@ from pathlib import Path
 from fastapi import FastAPI
 from fastapi.staticfiles import StaticFiles
 
+from algorithms.errors import InputError
 from experiments.course import course_of
 from experiments.store import Store
 from experiments.study import Study, check_stimuli
+from experiments.study_parts import Display
 from experiments.trials import Assignment
 from experiments.web import participant, researcher
 from experiments.web.errors import add_error_handlers
@@ -46,6 +48,8 @@ def create_app(
         of this name and version.
     """
     check_stimuli(study, stimuli)
+    if study.display != Display():
+        raise InputError("display: given, which the lab alone can do; none accepted on the web")
     course_of(study, stimuli, Assignment(1))  # a design that the stimuli do not allow is refused
     store.register(study, stimuli)
     exhibits = Exhibits(stimuli, server_secret(store))

@@ -66,6 +66,12 @@ WRONG = [
         "[analysis]\nequivalence_margin = 0.1\n[stopping]",
         r"analysis\.equivalence_margin: the task odd-one-out has no use for it",
     ),
+    ("[screen]", "[display]\nwidth_deg = 0\n[screen]", "display.width_deg"),
+    (
+        "[screen]",
+        "[display]\nwidth_deg = 9\nwidth_px = 9\n[screen]",
+        "display: width_deg, width_px",
+    ),
 ]
 
 

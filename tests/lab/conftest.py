@@ -1,5 +1,8 @@
 """A display, a short study on it, and one sitting taken to the end for several tests to look at."""
 
+import os
+import subprocess
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -89,6 +92,23 @@ def sitting_in(folder: Path, stimuli: StimulusSet) -> Sitting:
 def sitting(few: StimulusSet, tmp_path: Path) -> Sitting:
     """A sitting of its own for each test."""
     return sitting_in(tmp_path, few)
+
+
+@pytest.fixture(scope="session")
+def monitors(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A home directory whose Monitor Center knows the monitor `lab`: 53 cm, 60 cm, gamma 2.2."""
+    home = tmp_path_factory.mktemp("home")
+    make = (
+        "from psychopy import monitors; monitor = monitors.Monitor('lab', width=53, distance=60,"
+        " gamma=2.2); monitor.setSizePix((1280, 800)); monitor.save()"
+    )
+    subprocess.run(
+        [sys.executable, "-c", make],
+        env=os.environ | {"HOME": str(home)},
+        check=True,
+        capture_output=True,
+    )
+    return home
 
 
 @dataclass(frozen=True)

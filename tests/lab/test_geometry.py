@@ -3,10 +3,12 @@
 import math
 from fractions import Fraction
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from experiments.lab.geometry import Area, fit
+from algorithms.errors import InputError
+from experiments.lab.geometry import Area, fit, fit_grid
 
 SIDES = st.integers(min_value=1, max_value=4000)
 HALF = Fraction(1, 2)
@@ -52,3 +54,29 @@ def test_points_of_the_image_and_pixels_of_the_window_agree(
     right, bottom = placement.window_point(image_width, image_height)
     assert math.isclose(right, area.left_px + area.width_px)
     assert math.isclose(bottom, area.top_px + area.height_px)
+
+
+@given(SIDES, SIDES, SIDES, SIDES, SIDES, st.integers(1, 4))
+def test_a_width_that_is_asked_for_is_kept_to_the_pixel_or_refused(
+    image_width: int, image_height: int, width: int, height: int, wanted: int, count: int
+) -> None:
+    """Property: so wide, in proportion and within the area; refused only where it does not fit."""
+    available = Area(3, 7, width, height)
+    fitting = wanted <= min(Fraction(width), Fraction(height * image_width, image_height))
+    if fitting:
+        area = fit(image_width, image_height, available, wanted).area
+        assert area.width_px == wanted
+        assert area.height_px == max(1, int(Fraction(image_height * wanted, image_width)))
+        assert 3 <= area.left_px <= 3 + width - area.width_px
+        assert 7 <= area.top_px <= 7 + height - area.height_px
+    else:
+        with pytest.raises(InputError, match=r"^display: images .* do not fit"):
+            fit(image_width, image_height, available, wanted)
+    try:
+        areas = fit_grid([(image_width, image_height)] * count, available, width_px=wanted)
+    except InputError:
+        assert count > 1 or not fitting
+    else:
+        assert [area.width_px for area in areas] == [wanted] * count
+        assert all(area.left_px >= 3 and area.top_px >= 7 for area in areas)
+        assert max(area.left_px + area.width_px for area in areas) <= 3 + width

@@ -1,7 +1,7 @@
 """What the lab runner refuses before or while it opens its window, each in one line."""
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,9 +12,11 @@ from algorithms.errors import InputError, UnavailableError
 from experiments.lab.arrival import unfinished_session
 from experiments.lab.opening import open_window
 from experiments.lab.runner import run_lab
+from experiments.lab.visual_angle import image_width_px
 from experiments.lab.window import WindowSettings
 from experiments.store import NewSession, Store
 from experiments.study import Study
+from experiments.study_parts import Display as ImageSize
 from stimuli.manifest import StimulusSet
 from tests.lab.driver import DEMOGRAPHICS, Display, Sitting, start
 
@@ -100,9 +102,23 @@ def test_a_display_that_does_not_answer_is_one_line(sitting: Sitting) -> None:
     assert line.startswith("the lab runner needs a display with OpenGL")
 
 
+def test_degrees_need_the_monitors_size_and_distance() -> None:
+    """Theory: 90 degrees at 60 cm are 120 cm."""
+    degrees = ImageSize(width_deg=90)
+    assert image_width_px(degrees, pixels_per_cm=10, distance_cm=60) == 1200
+    assert image_width_px(ImageSize(width_px=7), None, None) == 7
+    assert image_width_px(ImageSize(), 10, 60) is None
+    for known in ((None, 60), (10, None)):
+        with pytest.raises(InputError, match=r"^display\.width_deg: needs .* --monitor"):
+            image_width_px(degrees, *known)
+
+
 @pytest.mark.lab
 @pytest.mark.slow
-def test_windows_that_cannot_be_are_refused(display: Display, sitting: Sitting) -> None:
+def test_windows_that_cannot_be_are_refused(
+    display: Display, sitting: Sitting, write_study: Callable[[str, str], Path], tmp_path: Path
+) -> None:
+    wide = write_study("[screen]", "[display]\nwidth_px = 1500\n\n[screen]")
     refused: dict[str, dict[str, Any]] = {
         "monitor: 'no-such' is not in PsychoPy's Monitor Center": {"monitor": "no-such"},
         "screen: 5 given, 0 to 0 accepted": {"screen": 5},
@@ -112,6 +128,8 @@ def test_windows_that_cannot_be_are_refused(display: Display, sitting: Sitting) 
         },
     }
     sittings = [replace(sitting, settings=settings) for settings in refused.values()]
+    sittings.append(replace(sitting, study=wide, store=tmp_path / "wide.sqlite"))
+    refused["display: images 1500 pixels wide do not fit into the window, at most 1208 pixels"] = {}
     with start(display, *sittings) as lab:
         assert lab.exit_code() == 2
         lines = lab.error().splitlines()

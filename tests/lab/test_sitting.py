@@ -1,11 +1,10 @@
 """What may happen in a sitting: leaving, coming back, dying, refusing, clicking at a border."""
 
-import os
-import subprocess
-import sys
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -126,22 +125,40 @@ def middles_of_boxes(display: Display) -> list[tuple[int, int]]:
     ]
 
 
-@pytest.mark.parametrize("size_px", [None, (301, 223)], ids=["as stored", "shrunk"])
+WIDTH_DEG = 18.8
+PARTS = "minimum_width_px = 640\nminimum_height_px = 400"
+SMALL = "minimum_width_px = 300\nminimum_height_px = 200"
+
+
+@pytest.mark.parametrize(
+    ("screen", "settings", "width_px"),
+    [
+        (PARTS, {}, 320),
+        (SMALL, {"fullscreen": False, "size_px": (301, 223)}, 301),
+        (
+            f"{PARTS}\n[display]\nwidth_deg = {WIDTH_DEG}",
+            {"monitor": "lab"},
+            # Theory: what is so wide at that distance, in pixels of that screen.
+            round(2 * 60 * math.tan(math.radians(WIDTH_DEG / 2)) * 1280 / 53),
+        ),
+    ],
+    ids=["as stored", "shrunk", "in degrees"],
+)
 def test_a_click_counts_from_the_first_to_the_last_pixel_of_a_region(
     display: Display,
     sitting: Sitting,
     regions: NDArray[np.uint8],
     write_study: Callable[[str, str], Path],
-    size_px: tuple[int, int] | None,
+    monitors: Path,
+    screen: str,
+    settings: Mapping[str, Any],
+    width_px: int,
 ) -> None:
     """Theory: a pixel belongs to the object on which its centre lies; its neighbour does not."""
-    study = write_study(
-        "minimum_width_px = 640\nminimum_height_px = 400",
-        "minimum_width_px = 300\nminimum_height_px = 200",
-    )
-    settings = {"fullscreen": size_px is None, "size_px": size_px}
-    with start(display, replace(sitting, study=study, settings=settings)) as lab:
+    study = write_study(PARTS, screen)
+    with start(display, replace(sitting, study=study, settings=settings), home=monitors) as lab:
         pages = take_study(display, lab, regions, {0: 1, 1: 2, 2: 3})
+        assert image_area(display.screenshot()).width_px == width_px
         for label, side in zip((2, 3, 6, 7), ("left", "right", "top", "bottom"), strict=True):
             assert pages[-1] == f"trial {len(answers_in(sitting.store))}"
             inside, outside = border(display, regions, label, side)
@@ -212,30 +229,3 @@ def test_keys_of_row_and_pad_answer_once_the_stimulus_is_there(
                 display.press("5")
                 assert lab.next_page() == f"trial {index + 1}"
     assert answers_in(sitting.store) == {0: 4, 1: 4, 2: 8}
-
-
-def test_a_monitors_gamma_is_not_applied_but_its_size_is_kept(
-    display: Display, sitting: Sitting, tmp_path: Path
-) -> None:
-    """sRGB images in a linearised window would be corrected twice.
-
-    Xvfb has no gamma table, so PsychoPy would end with an error if it were asked to set one.
-    """
-    make = (
-        "from psychopy import monitors; monitor = monitors.Monitor('lab', width=53, distance=60,"
-        " gamma=2.2); monitor.setSizePix((1280, 800)); monitor.save()"
-    )
-    subprocess.run(
-        [sys.executable, "-c", make],
-        env=os.environ | {"HOME": str(tmp_path)},
-        check=True,
-        capture_output=True,
-    )
-    with start(display, replace(sitting, settings={"monitor": "lab"}), home=tmp_path) as lab:
-        assert lab.next_page() == "consent"
-        display.press("Return")
-        assert lab.next_page() == "instructions"
-    with Store.open(sitting.store, must_exist=True) as store:
-        (session,) = store.sessions()
-    screen = session.screen
-    assert (screen["monitor"], screen["monitor_width_cm"], screen["distance_cm"]) == ("lab", 53, 60)
