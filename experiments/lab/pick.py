@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 
 from experiments.lab.buttons import Buttons, above_buttons
+from experiments.lab.geometry import Area
 from experiments.lab.inputs import Click, KeyPress, Press
-from experiments.lab.pictures import Picture, load_picture
+from experiments.lab.pictures import Picture
 from experiments.lab.presenter import Presentation, Scene
-from experiments.lab.task_view import TaskView
+from experiments.lab.task_view import ObjectsView
 from experiments.lab.window import Drawable
 from experiments.trials import Answer, Trial
-from stimuli.manifest import Stimulus
 
 
 class Picks:
@@ -49,7 +49,7 @@ class Picks:
         self._shown.draw()
 
 
-class PickView(TaskView[Picture]):
+class PickView(ObjectsView):
     """Shows an image; the answer is what is picked when it is said to be done."""
 
     @property
@@ -58,9 +58,10 @@ class PickView(TaskView[Picture]):
         least, most = self._bounds
         return self.text("pick.how_to", picks=most if least == most else f"{least}-{most}")
 
-    def _load(self, stimulus: Stimulus) -> Picture:
-        area = above_buttons(self.area, self.window)
-        return load_picture(self.window, self.stimuli, stimulus, area)
+    @property
+    def picture_area(self) -> Area:
+        """The part of the window that an image may fill."""
+        return above_buttons(self.area, self.window)
 
     def present(self, trial: Trial) -> Presentation:
         """Prepare a trial, its stimuli loaded."""

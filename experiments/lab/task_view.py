@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from experiments.designs import arrange
-from experiments.lab.geometry import Area, Size
-from experiments.lab.pictures import OUTLINE_RGB, image_size, shown_image
+from experiments.lab.geometry import Area, Size, fit
+from experiments.lab.pictures import OUTLINE_RGB, Picture, image_size, load_picture, shown_image
 from experiments.lab.presenter import Presentation, stimulus_area
 from experiments.lab.texts import text
 from experiments.lab.visual_angle import image_width_px
@@ -124,6 +124,22 @@ class TaskView(ABC, Generic[Loaded]):
     @abstractmethod
     def mark(self, trial: Trial, right: Answer) -> tuple[Sequence[Drawable], str]:
         """Prepare a trial with its right answer marked, and say which that is."""
+
+
+class ObjectsView(TaskView[Picture]):
+    """A task whose images have numbered objects to choose from."""
+
+    @property
+    def picture_area(self) -> Area:
+        """The part of the window that an image may fill."""
+        return self.area
+
+    def _load(self, stimulus: Stimulus) -> Picture:
+        return load_picture(self.window, self.stimuli, stimulus, self.picture_area, self.width_px)
+
+    def places(self, sizes_px: Sequence[Size]) -> list[Area]:
+        """Return where images of these sizes lie when they are shown at once."""
+        return [fit(*size, self.picture_area, self.width_px).area for size in sizes_px]
 
 
 class PlainTaskView(TaskView[PlainPicture]):

@@ -110,7 +110,8 @@ def test_a_serial_port_gets_each_code_as_a_byte() -> None:
         with open_port(settings, lambda: 0.0) as port:
             for code in (1, 0, 255):
                 port.send(code)
-            assert os.read(ours, 10) == b"\x01\x00\xff"
+            received = [os.read(ours, 1) for _ in range(3)]
+        assert received == [b"\x01", b"\x00", b"\xff"]
     finally:
         os.close(theirs)
         os.close(ours)
