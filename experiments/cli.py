@@ -85,8 +85,13 @@ def check(
 
 @app.command()
 def serve(
-    study: StudyFile,
-    stimuli: Stimuli,
+    studies: Annotated[
+        list[str], typer.Argument(metavar="STUDY...", help="TOML files or ready-made names.")
+    ],
+    stimuli: Annotated[
+        list[Path],
+        typer.Option(help="The folder of the stimulus set; once for each study, in their order."),
+    ],
     data: Data,
     host: Host = "127.0.0.1",
     port: Port = 8000,
@@ -99,22 +104,24 @@ def serve(
     pilot: Pilot = False,
     as_json: Json = False,
 ) -> None:
-    """Serve a study to browsers until interrupted, and print the links to it."""
+    """Serve one or more studies to browsers until interrupted, and print the links to them."""
     from experiments import web
     from experiments.store import Store
     from experiments.web.workers import Worker, check_workers, serve_workers
 
-    loaded = load_study(study)
-    stimulus_set = _verified(loaded, stimuli)
+    served = _with_stimuli(studies, stimuli)
     with web.listen(host, port) as listener, Store.open(data) as store:
         check_workers(workers, store)
-        application = web.create_app(loaded, stimulus_set, store, pilot=pilot)
+        application = web.create_site(served, store, pilot=pilot)
         url = (public_url or web.base_url(listener)).rstrip("/")
-        _print_facts(web.links(url, loaded, store), as_json)
+        for study, _ in served:
+            # Each says whose it is where there are several.
+            name = {"study": study.name} if len(served) > 1 else {}
+            _print_facts({**name, **web.links(url, study, store)}, as_json)
         if workers == 1:
             web.serve(application, listener)
         else:
-            serve_workers(Worker(loaded, stimulus_set, data, pilot), listener, workers)
+            serve_workers(Worker(tuple(served), data, pilot), listener, workers)
 
 
 @app.command()
@@ -336,6 +343,18 @@ def _runs(data: str | None, repeat: int) -> list[str | None]:
     if taken is not None:
         raise InputError(f"data: {taken} is already there; the runs are to be independent")
     return [str(run) for run in runs]
+
+
+def _with_stimuli(studies: list[str], folders: list[Path]) -> list[tuple[Study, StimulusSet]]:
+    """Load studies, each with the set at its place, or with the only one."""
+    if len(folders) not in (1, len(studies)):
+        raise InputError(
+            f"stimuli: given {len(folders)} times for {len(studies)} studies; once for each"
+            " accepted, or once for all"
+        )
+    each = folders * len(studies) if len(folders) == 1 else folders
+    loaded = [load_study(study) for study in studies]
+    return [(study, _verified(study, folder)) for study, folder in zip(loaded, each, strict=True)]
 
 
 def _verified(study: Study, folder: Path) -> StimulusSet:

@@ -58,7 +58,7 @@ def load_collection(source: str | Path, study: str | None = None) -> Collection:
     if Path(source).is_dir():
         return _read_bundle(Path(source), study)
     with Store.open(source, must_exist=True) as store:
-        chosen, stimuli = _newest(store, study)
+        chosen, stimuli = newest_study(store, study)
         return Collection(
             chosen,
             stimuli,
@@ -152,7 +152,7 @@ def _parse(path: Path) -> Any:  # noqa: ANN401  # any JSON
         raise InputError(f"{path}: not a JSON file") from error
 
 
-def _newest(store: Store, name: str | None) -> tuple[Study, StimulusSet]:
+def newest_study(store: Store, name: str | None) -> tuple[Study, StimulusSet]:
     """Return the newest version of a study that has sessions, or the newest if none has."""
     known = store.registered(name)
     if not known:

@@ -116,6 +116,17 @@ _SAID: Mapping[str, Column] = {
     ),
 }
 
+_SCREENS: Mapping[str, Column] = {
+    column.name: column
+    for column in (
+        Column("screen_zoom", "number", "of the page, as far as the window's size tells"),
+        Column("screen_color_gamut", "text", "the widest", levels=("srgb", "p3", "rec2020")),
+        Column("screen_px_per_mm", "number", "CSS pixels, by a card held to the screen", "1/mm"),
+        Column("screen_distance_mm", "number", "from the eye, by the blind spot", "mm"),
+        Column("screen_faults", "text", "in what it falls short of what the study asks for"),
+    )
+}
+
 
 def described(table: str, names: Iterable[str]) -> list[Column]:
     """Return the columns of a table as it was exported.
@@ -125,8 +136,9 @@ def described(table: str, names: Iterable[str]) -> list[Column]:
     table
         `responses`, `sessions` or `events`.
     names
-        The head of the table; `sessions` have columns `demographics_...` and `screen_...` for
-        what the study asked and what the runner knew of the screen.
+        The head of the table; `sessions` have columns `demographics_...`, `recruitment_...` and
+        `screen_...` for what the study asked, what the participant's address told where the study
+        declares that it is exported, and what the runner knew of the screen.
     """
     return [COLUMNS[table].get(name) or _of_session(name) for name in names]
 
@@ -135,6 +147,10 @@ def _of_session(name: str) -> Column:
     part, _, field = name.partition("_")
     if part == "demographics":
         return _SAID.get(field) or Column(name, "text", f"{field}, as said by the participant")
+    if part == "recruitment":
+        return Column(name, "text", f"{field} of the address that the participant came by")
+    if name in _SCREENS:
+        return _SCREENS[name]
     kind: Kind = "number" if field.endswith(("_px", "_hz", "_s", "ratio")) else "text"
     unit = {"px": "px", "hz": "Hz", "s": "s"}.get(field.rpartition("_")[2])
     return Column(name, kind, f"{field} of the screen or window, as the runner knew it", unit)

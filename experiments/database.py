@@ -12,7 +12,7 @@ from sqlalchemy.engine import Connection, Engine, make_url
 from algorithms.errors import InputError
 from algorithms.files import make_folder
 
-SCHEMA: Final = "2"
+SCHEMA: Final = "3"
 """The newest revision in `experiments.migrations`."""
 
 _ACCEPTED = "a SQLite file or a postgresql:// URL accepted"

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final, Literal
 
+from experiments.arrivals import exported_parameters
 from experiments.data_dictionary import COLUMNS, Kind, described
 from experiments.participation import exclusion_reasons
 from experiments.responses import Event, Session
@@ -57,7 +58,11 @@ def table_rows(store: Store, table: Table, study: str | None = None) -> list[dic
         return [dict(vars(row)) for row in store.responses(study=study)]
     sessions, events = store.sessions(study=study), store.events(study=study)
     if table == "sessions":
-        return session_rows(sessions, events)
+        came_by = exported_parameters(store, [one for one, _ in store.registered(study)])
+        return [
+            row | ({"recruitment": came_by[row["id"]]} if row["id"] in came_by else {})
+            for row in session_rows(sessions, events)
+        ]
     flags = {one.id: {"simulated": one.simulated, "pilot": one.pilot} for one in sessions}
     return [{**vars(event), **flags[event.session]} for event in events]
 
@@ -102,7 +107,7 @@ def safe_cell(value: object) -> object:
 def _flat(row: Row) -> dict[str, Any]:
     flat: dict[str, Any] = {}
     for name, value in row.items():
-        if name in ("demographics", "screen"):
+        if name in ("demographics", "screen", "recruitment"):
             flat |= {f"{name}_{key}": part for key, part in value.items()}
         else:
             flat[name] = json.dumps(value) if isinstance(value, Mapping) else value

@@ -42,7 +42,7 @@ def exclude_session(store: Store, session: str, reason: str) -> None:
 
 
 def withdraw_session(store: Store, session: str) -> None:
-    """Erase a participant's answers, events and what they said of themself; a tombstone stays.
+    """Erase a participant's answers, events and all that is known of them; a tombstone stays.
 
     What stays: that there was a session, its number, when it was begun, completed and withdrawn,
     and why it was excluded, if it was. Withdrawing twice changes nothing. Files that the lab
@@ -67,6 +67,8 @@ def withdraw_session(store: Store, session: str) -> None:
         connection.execute(
             tables.events.delete().where(columns.session == session, columns.kind != EXCLUSION)
         )
+        for table in (tables.arrivals, tables.leases):
+            connection.execute(table.delete().where(table.c.session == session))
         _add_event(connection, session, WITHDRAWAL)
     if store.engine.dialect.name == "sqlite":
         # The write-ahead log still holds the pages as they were.

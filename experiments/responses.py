@@ -161,8 +161,13 @@ def response_id(session: str, trial_index: int) -> str:
 
 
 def now() -> str:
-    """Return the time as the rows keep it: ISO 8601 in UTC, to the millisecond."""
-    return datetime.now(UTC).isoformat(timespec="milliseconds")
+    """Return the time as the rows keep it."""
+    return iso(datetime.now(UTC))
+
+
+def iso(moment: datetime) -> str:
+    """Return a moment in UTC as the rows keep it: ISO 8601, to the millisecond."""
+    return moment.isoformat(timespec="milliseconds")
 
 
 def responses_frame(responses: list[Response]) -> "pd.DataFrame":

@@ -151,18 +151,37 @@ class Store:
             ]
 
     def begin_session(
-        self, study: Study, stimuli: StimulusSet, new: NewSession
+        self,
+        study: Study,
+        stimuli: StimulusSet,
+        new: NewSession,
+        *,
+        token: str | None = None,
+        admit: Callable[[Connection], None] = lambda _: None,
+        on_begun: Callable[[Connection, Session], None] = lambda *_: None,
     ) -> tuple[Session, str]:
         """Open a session and return it with its secret token, which is kept only as a hash.
+
+        Parameters
+        ----------
+        study, stimuli, new
+            What is run, and who comes.
+        token
+            The token, where it is not drawn at random.
+        admit
+            Called first, while no other session can begin; what it raises is raised.
+        on_begun
+            Called with the new session, in the same transaction.
 
         Raises
         ------
         InputError
             If the participant or the number is taken.
         """
-        token = secrets.token_urlsafe(24)
+        token = token or secrets.token_urlsafe(24)
         with self.engine.begin() as connection:
             take_turns(connection)
+            admit(connection)
             number = new.participant_number or _next_number(connection, study, stimuli)
             participant = check_participant(new.participant or f"P{number:04d}")
             session = Session(
@@ -192,6 +211,7 @@ class Store:
             if needs_pool(study):
                 pool = pool_detail(collect_pool(connection, session))
                 _add_event(connection, session.id, POOL, pool)
+            on_begun(connection, session)
         return session, token
 
     def session(self, identifier: str) -> Session | None:
@@ -252,19 +272,6 @@ class Store:
         )
         with self._reading.begin() as connection:
             return {session: (n, last) for session, n, last in connection.execute(query)}
-
-    def completed_count(self, study: str) -> int:
-        """Return how many people have completed a study; no pilots, none who withdrew."""
-        columns = tables.sessions.c
-        query = sa.select(sa.func.count()).where(
-            columns.study == study,
-            columns.completed_at.is_not(None),
-            columns.withdrawn_at.is_(None),
-            columns.simulated.is_(False),
-            columns.pilot.is_(False),
-        )
-        with self._reading.begin() as connection:
-            return int(connection.execute(query).scalar_one())
 
     def complete(self, session: str, estimates: Mapping[str, Any] | None = None) -> str:
         """Mark a session as complete and return its completion code; the same one ever after.

@@ -1,14 +1,19 @@
 """The commands of `trompe study` for what a store holds."""
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from algorithms.errors import InputError
 from algorithms.files import write_atomically
+
+if TYPE_CHECKING:
+    from experiments.store import Store
 
 Stored = Annotated[
     str, typer.Argument(metavar="DATA", help="The response store, a SQLite file or a URL.")
@@ -89,6 +94,33 @@ def withdraw(data: Stored, session: SessionId) -> None:
     typer.echo(f"session {session}: withdrawn, its answers are erased")
 
 
+def pause(data: Stored, study: OneStudy = None) -> None:
+    """Let nobody begin a study on the web; those who have begun go on."""
+    from experiments.admission import pause as pause_study
+
+    with _study_of(data, study) as (store, name):
+        pause_study(store, name)
+    typer.echo(f"{name}: paused; those who have begun can finish")
+
+
+def resume(data: Stored, study: OneStudy = None) -> None:
+    """Let people begin a study again that was paused."""
+    from experiments.admission import resume as resume_study
+
+    with _study_of(data, study) as (store, name):
+        resume_study(store, name)
+    typer.echo(f"{name}: open")
+
+
+@contextmanager
+def _study_of(data: str, study: str | None) -> "Iterator[tuple[Store, str]]":
+    from experiments.collection import newest_study
+    from experiments.store import Store
+
+    with Store.open(data, must_exist=True) as store:
+        yield store, newest_study(store, study)[0].name
+
+
 def backup(
     data: Stored,
     output: Annotated[Path, typer.Argument(metavar="FILE", help="Must not be there yet.")],
@@ -135,4 +167,4 @@ def replay(
         raise typer.Exit(1)
 
 
-COMMANDS = (export, bundle, exclude, withdraw, backup, replay)
+COMMANDS = (export, bundle, exclude, withdraw, pause, resume, backup, replay)

@@ -20,6 +20,7 @@ from experiments.study_parts import (
     Name,
     Part,
     Practice,
+    Recruitment,
     Screen,
     Stimuli,
     Stopping,
@@ -65,9 +66,11 @@ _LATER_KEYS = {
     "practice": ("best_first",),
     "timing": ("image_s", "mask_s"),
     "answers": ("picks",),
+    "screen": ("color_gamut", "allow_zoom", "rule", "fullscreen", "calibrate", "distance"),
+    "stopping": ("abandoned_after_s",),
     "exclusion": ("catch_level", "least_catch_share", "largest_late_share"),
 }
-_LATER_PARTS = ("answers", "catch", "analysis", "display")
+_LATER_PARTS = ("answers", "catch", "recruitment", "analysis", "display")
 # Keys that only some tasks have a use for.
 _TASKS_OF_KEY: tuple[tuple[str, tuple[Task, ...]], ...] = (
     ("design.one_of_each", ("odd-one-out", "yes-no", "pick")),
@@ -106,6 +109,7 @@ class Study(Part):
     demographics: tuple[DemographicsField, ...] = ()
     display: Display = Display()
     screen: Screen = Screen()
+    recruitment: Recruitment = Recruitment()
     stopping: Stopping
     exclusion: Exclusion = Exclusion()
     analysis: Analysis = Analysis()

@@ -1,8 +1,10 @@
 """The parts of a study file: what each table of it may say."""
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Annotated, Literal, Self
+from urllib.parse import quote
 
 from pydantic import (
     BaseModel,
@@ -17,6 +19,8 @@ from stimuli.manifest import Factor
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
 Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
+Parameter = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,39}$")]
+Gamut = Literal["srgb", "p3", "rec2020"]
 DemographicsField = Literal["age", "gender", "artistic_background"]
 
 Task = Literal["odd-one-out", "two-alternative", "yes-no", "ranking", "pick"]
@@ -334,16 +338,102 @@ class Display(Part):
 
 
 class Screen(Part):
-    """The smallest usable window, in CSS pixels on the web and in pixels in the lab."""
+    """What the screen must be like; all but the window's size is for the web alone.
+
+    Attributes
+    ----------
+    minimum_width_px, minimum_height_px
+        The smallest usable window, in CSS pixels on the web and in pixels in the lab.
+    color_gamut
+        The least gamut, as the browser tells it, or None for any.
+    allow_zoom
+        Whether the page may be zoomed by the browser.
+    rule
+        What becomes of a screen that falls short: `refuse` it, or `flag` its session.
+    fullscreen
+        Whether the trials ask for the full screen.
+    calibrate
+        Whether participants match a bank card on the screen, which tells its pixels' size.
+    distance
+        Whether they then find their blind spot, which tells how far away they sit.
+    """
 
     minimum_width_px: int = Field(default=0, ge=0, le=10_000)
     minimum_height_px: int = Field(default=0, ge=0, le=10_000)
+    color_gamut: Gamut | None = None
+    allow_zoom: bool = True
+    rule: Literal["refuse", "flag"] = "refuse"
+    fullscreen: bool = False
+    calibrate: bool = False
+    distance: bool = False
+
+    @model_validator(mode="after")
+    def _check_distance(self) -> Self:
+        """Refuse a distance without the size of a pixel."""
+        if self.distance and not self.calibrate:
+            raise ValueError("screen.distance: needs calibrate = true")
+        return self
 
 
 class Stopping(Part):
-    """How many complete participants end the collection."""
+    """How many complete participants end the collection.
+
+    Attributes
+    ----------
+    participants
+        As many are wanted. On the web no more may begin than can still be needed: those who are
+        under way hold a place.
+    abandoned_after_s
+        Who has given no answer for so long holds none any more, though they may still go on.
+    """
 
     participants: int = Field(ge=1)
+    abandoned_after_s: float = Field(default=3600, ge=60, le=1e7)
+
+
+class Recruitment(Part):
+    """How participants come to the study and leave it, on the web.
+
+    Attributes
+    ----------
+    parameters
+        What of the address is kept with the session. The first tells who somebody is: they come
+        back to their own session, so it must be nothing that others guess.
+    completion_url
+        Where participants are sent when the server has everything; `{PARAMETER}` and
+        `{completion_code}` are filled in.
+    export
+        Whether the parameters stand in exported tables of sessions.
+    """
+
+    parameters: tuple[Parameter, ...] = Field(default=(), max_length=10)
+    completion_url: str | None = None
+    export: bool = False
+
+    @model_validator(mode="after")
+    def _check_address(self) -> Self:
+        """Refuse what is no address, and what nothing is known of."""
+        if len(set(self.parameters)) < len(self.parameters):
+            raise ValueError("recruitment.parameters: each once")
+        if self.completion_url is None:
+            return self
+        if not re.match(r"https?://[^\s{}/]+(/|$)", self.completion_url):
+            raise ValueError("recruitment.completion_url: an http(s) address accepted")
+        known = {*self.parameters, "completion_code"}
+        for name in re.findall(r"\{(.*?)\}", self.completion_url):
+            if name not in known:
+                raise ValueError(
+                    f"recruitment.completion_url: {{{name}}} given, accepted:"
+                    f" {', '.join(sorted(known))}"
+                )
+        return self
+
+    def completed_at(self, given: Mapping[str, str], completion_code: str) -> str | None:
+        """Return where a participant is sent, with what they came with filled in."""
+        address = self.completion_url
+        for name, value in {**given, "completion_code": completion_code}.items():
+            address = address and address.replace(f"{{{name}}}", quote(value, safe=""))
+        return address
 
 
 class Exclusion(Part):

@@ -71,6 +71,22 @@ events = sa.Table(
     sa.Column("detail", sa.JSON, nullable=False),
     sa.Column("recorded_at", sa.String, nullable=False),
 )
+arrivals = sa.Table(
+    "arrivals",
+    metadata,
+    sa.Column("session", sa.ForeignKey("sessions.id"), primary_key=True),
+    sa.Column("study", sa.String, nullable=False),
+    sa.Column("key", sa.String, nullable=False),
+    sa.Column("parameters", sa.JSON, nullable=False),
+    sa.UniqueConstraint("study", "key"),
+)
+leases = sa.Table(
+    "leases",
+    metadata,
+    sa.Column("session", sa.ForeignKey("sessions.id"), primary_key=True),
+    sa.Column("page", sa.String, nullable=False),
+    sa.Column("renewed_s", sa.Float, nullable=False),
+)
 settings = sa.Table(
     "settings",
     metadata,

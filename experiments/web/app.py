@@ -1,5 +1,6 @@
-"""The web application of one study."""
+"""The web application of one study, or of several."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from fastapi import FastAPI
@@ -11,12 +12,12 @@ from experiments.store import Store
 from experiments.study import Study, check_stimuli
 from experiments.study_parts import Display
 from experiments.trials import Assignment
-from experiments.web import participant, researcher
+from experiments.web import entrance, participant, researcher
 from experiments.web.errors import add_error_handlers
 from experiments.web.exhibits import Exhibits
 from experiments.web.guard import BodyLimit, SafetyHeaders
 from experiments.web.pages import BUNDLE, page_routes
-from experiments.web.service import Service, server_secret
+from experiments.web.service import Service, Site, server_secret
 from stimuli.manifest import StimulusSet
 
 
@@ -28,12 +29,23 @@ def create_app(
     pilot: bool = False,
     bundle: Path = BUNDLE,
 ) -> FastAPI:
-    """Return the web application that runs a study.
+    """Return the web application that runs a study; as `create_site` with this one alone."""
+    return create_site([(study, stimuli)], store, pilot=pilot, bundle=bundle)
+
+
+def create_site(
+    studies: Sequence[tuple[Study, StimulusSet]],
+    store: Store,
+    *,
+    pilot: bool = False,
+    bundle: Path = BUNDLE,
+) -> FastAPI:
+    """Return the web application that runs several studies, each under links of its own.
 
     Parameters
     ----------
-    study, stimuli
-        What is run; they are registered in the store.
+    studies
+        What is run, each with its stimuli; they are registered in the store.
     store
         Where the answers go, each durable before it is acknowledged.
     pilot
@@ -44,22 +56,35 @@ def create_app(
     Raises
     ------
     InputError
-        If the stimuli do not fit the study, are no PNG images, or the store holds another study
-        of this name and version.
+        If two studies have one name, stimuli do not fit their study or are no PNG images, or the
+        store holds another study of a name and version.
     """
-    check_stimuli(study, stimuli)
-    if study.display != Display():
-        raise InputError("display: given, which the lab alone can do; none accepted on the web")
-    course_of(study, stimuli, Assignment(1))  # a design that the stimuli do not allow is refused
-    store.register(study, stimuli)
-    exhibits = Exhibits(stimuli, server_secret(store))
+    names = [study.name for study, _ in studies]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"study: {name} is given twice; each needs a name of its own")
+    for study, stimuli in studies:
+        check_stimuli(study, stimuli)
+        if study.display != Display():
+            raise InputError("display: given, which the lab alone can do; none accepted on the web")
+        # A design that the stimuli do not allow is refused.
+        course_of(study, stimuli, Assignment(1))
+        store.register(study, stimuli)
+    secret = server_secret(store)
     # No pages that describe the API: they would be one more thing that reaches participants.
-    app = FastAPI(title=study.title, docs_url=None, redoc_url=None, openapi_url=None)
-    app.state.service = Service(study, stimuli, store, exhibits, pilot)
+    app = FastAPI(title=", ".join(names), docs_url=None, redoc_url=None, openapi_url=None)
+    app.state.site = Site(
+        store,
+        {
+            study.name: Service(study, stimuli, store, Exhibits(stimuli, secret), pilot)
+            for study, stimuli in studies
+        },
+    )
     add_error_handlers(app)
     app.add_middleware(BodyLimit)
     app.add_middleware(SafetyHeaders)
     app.include_router(participant.router)
+    app.include_router(entrance.router)
     app.include_router(researcher.router)
     app.include_router(page_routes(bundle))
     if (bundle / "assets").is_dir():

@@ -20,6 +20,11 @@ Value = (
     | ShortText
     | None
 )
+# So long that nobody guesses it; what a browser draws, or a page calls itself.
+Drawn = Annotated[str, StringConstraints(pattern=r"^[0-9a-f-]{32,64}$")]
+Recruited = Annotated[
+    dict[Annotated[str, StringConstraints(max_length=40)], ShortText], Field(max_length=10)
+]
 Facts = Annotated[dict[Word, Value], Field(max_length=30)]
 
 
@@ -28,13 +33,30 @@ class _Message(BaseModel):
 
 
 class NewSessionMessage(_Message):
-    """Consent, and what a participant and the browser say of themselves."""
+    """Consent, and what a participant and the browser say of themselves.
+
+    `arrival` is a number that the browser draws: posted again, it begins no second session.
+    """
 
     consent_version: ShortText
     demographics: dict[Word, Any]
     screen: Facts
     device: ShortText
+    arrival: Drawn | None = None
+    recruitment: Recruited = Field(default_factory=dict)
     simulated: bool = False
+
+
+class ReturnMessage(_Message):
+    """What a participant came by, of whom there may be a session already."""
+
+    recruitment: Recruited
+
+
+class LeaseMessage(_Message):
+    """The page that has a session open."""
+
+    page: Drawn
 
 
 class AnswerMessage(_Message):

@@ -6,7 +6,7 @@ from fastapi import APIRouter
 from fastapi.responses import FileResponse, RedirectResponse
 
 from experiments.web.errors import ApiError
-from experiments.web.service import Here, KnownStudy
+from experiments.web.service import Here, OfStudy
 
 BUNDLE = Path(__file__).parent / "bundle"
 
@@ -23,14 +23,16 @@ def page_routes(bundle: Path) -> APIRouter:
 
     @router.get("/")
     def show_root(here: Here) -> RedirectResponse:
-        return RedirectResponse(f"/s/{here.study.name}/")
+        if len(here.services) > 1:
+            raise ApiError(404, "study: several are served here; follow the link to yours")
+        return RedirectResponse(f"/s/{next(iter(here.services))}/")
 
-    @router.get("/s/{study}/", dependencies=[KnownStudy])
-    def show_participant_page() -> FileResponse:
+    @router.get("/s/{study}/")
+    def show_participant_page(_: OfStudy) -> FileResponse:
         return _page(bundle / "index.html")
 
-    @router.get("/researcher/{study}/", dependencies=[KnownStudy])
-    def show_researcher_page() -> FileResponse:
+    @router.get("/researcher/{study}/")
+    def show_researcher_page(_: OfStudy) -> FileResponse:
         return _page(bundle / "researcher.html")
 
     return router

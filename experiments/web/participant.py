@@ -1,4 +1,4 @@
-"""The participant's part of the API."""
+"""The participant's part of the API: the study, and a session under way."""
 
 import asyncio
 from typing import Any
@@ -8,17 +8,16 @@ from fastapi.responses import JSONResponse
 from starlette.concurrency import run_in_threadpool
 
 from experiments.answers import response_in
-from experiments.demographics import check_demographics
+from experiments.arrivals import parameters_of
 from experiments.participation import withdraw_session
 from experiments.responses import Session, response_id
 from experiments.right_answers import right_answer
-from experiments.store import NewSession
 from experiments.study import CHOOSES
 from experiments.trials import Answer, Trial
 from experiments.web.errors import ApiError
 from experiments.web.exhibits import region_runs
-from experiments.web.messages import AnswerMessage, EventMessage, NewSessionMessage
-from experiments.web.service import Here, KnownSession, KnownStudy, OwnSession, Service
+from experiments.web.messages import AnswerMessage, EventMessage
+from experiments.web.service import KnownSession, OfSession, OfStudy, OwnSession, Service
 from stimuli.manifest import Stimulus
 
 router = APIRouter(prefix="/api")
@@ -28,7 +27,9 @@ _CACHED = {"Cache-Control": "private, max-age=86400"}
 
 # The first of all routes: it is asked far more often than the others together.
 @router.post("/sessions/{session}/answers")
-async def record_answer(here: Here, own: KnownSession, message: AnswerMessage) -> dict[str, Any]:
+async def record_answer(
+    here: OfSession, own: KnownSession, message: AnswerMessage
+) -> dict[str, Any]:
     """Store an answer; once this replies, the answer outlives the server."""
     if message.id != response_id(own.id, message.trial_index):
         raise ApiError(403, "id: not the id of this session's trial")
@@ -58,8 +59,8 @@ def _record_adaptive(here: Service, own: Session, message: AnswerMessage) -> dic
     }
 
 
-@router.get("/studies/{study}", dependencies=[KnownStudy])
-def describe_study(here: Here) -> dict[str, Any]:
+@router.get("/studies/{study}")
+def describe_study(here: OfStudy) -> dict[str, Any]:
     """Tell what a participant may know before the first trial."""
     study = here.study
     return {
@@ -73,50 +74,35 @@ def describe_study(here: Here) -> dict[str, Any]:
         "consent": study.consent.model_dump(),
         "demographics": study.demographics,
         "screen": study.screen.model_dump(),
+        "recruitment": {
+            "parameters": study.recruitment.parameters,
+            "required": bool(study.recruitment.parameters) and not here.pilot,
+        },
         "timing": study.timing.model_dump(),
         "answers": study.answers.model_dump(),
         "example": _example(here),
-        "accepting": here.accepts_people(),
+        "closed": here.refuses(),
     }
 
 
-@router.get("/studies/{study}/example/image", dependencies=[KnownStudy])
-def show_example(here: Here) -> Response:
+@router.get("/studies/{study}/example/image")
+def show_example(here: OfStudy) -> Response:
     """Send the example's image."""
     if here.example is None:
         raise ApiError(404, "example: the stimulus set has none")
     return Response(here.exhibits.image(here.example), media_type="image/png", headers=_CACHED)
 
 
-@router.get("/studies/{study}/example/regions", dependencies=[KnownStudy])
-def show_example_regions(here: Here) -> JSONResponse:
+@router.get("/studies/{study}/example/regions")
+def show_example_regions(here: OfStudy) -> JSONResponse:
     """Send the example's regions."""
     if here.example is None or here.example.regions is None:
         raise ApiError(404, "example: the stimulus set has none")
     return JSONResponse(region_runs(here.stimuli.path(here.example.regions)), headers=_CACHED)
 
 
-@router.post("/studies/{study}/sessions", status_code=201, dependencies=[KnownStudy])
-def begin_session(here: Here, message: NewSessionMessage) -> dict[str, Any]:
-    """Open a session for a participant who has agreed to take part."""
-    if message.consent_version != here.study.consent.version:
-        raise ApiError(409, "consent_version: the text has changed; read it again", "consent")
-    if not message.simulated and not here.accepts_people():
-        raise ApiError(409, "study: it has all its participants", "closed")
-    new = NewSession(
-        runner="web",
-        device=message.device,
-        demographics=check_demographics(here.study, message.demographics),
-        screen=message.screen,
-        simulated=message.simulated,
-        pilot=here.pilot,
-    )
-    session, token = here.store.begin_session(here.study, here.stimuli, new)
-    return {"token": token, **_identity(session)}
-
-
 @router.get("/sessions/{session}")
-def resume_session(here: Here, own: OwnSession) -> dict[str, Any]:
+def resume_session(here: OfSession, own: OwnSession) -> dict[str, Any]:
     """Tell the trials of a session, and which of them have their answer.
 
     Of an adaptive design these are the trials that are decided, and `adaptive` tells how many
@@ -130,18 +116,19 @@ def resume_session(here: Here, own: OwnSession) -> dict[str, Any]:
         if trial.index in answers
     }
     return {
-        **_identity(own),
+        **identity(own),
         "trials": [_trial(here, own, trial) for trial in trials],
         "adaptive": adaptive,
         "answered": sorted(answers),
         "feedback": {index: feedback for index, feedback in told.items() if feedback},
         "complete": own.completed_at is not None,
         "completion_code": own.completion_code,
+        "completion_url": _completion_url(here, own.id, own.completion_code),
     }
 
 
 @router.get("/sessions/{session}/images/{opaque}")
-def show_image(here: Here, own: KnownSession, opaque: str) -> Response:
+def show_image(here: OfSession, own: KnownSession, opaque: str) -> Response:
     """Send an image of one of the session's trials."""
     content = here.exhibits.find_image(own.id, opaque)
     if content is None:
@@ -150,7 +137,7 @@ def show_image(here: Here, own: KnownSession, opaque: str) -> Response:
 
 
 @router.get("/sessions/{session}/regions/{opaque}")
-def show_regions(here: Here, own: KnownSession, opaque: str) -> JSONResponse:
+def show_regions(here: OfSession, own: KnownSession, opaque: str) -> JSONResponse:
     """Send the regions of one of the session's trials."""
     path = here.exhibits.find_regions(own.id, opaque)
     if path is None:
@@ -159,20 +146,20 @@ def show_regions(here: Here, own: KnownSession, opaque: str) -> JSONResponse:
 
 
 @router.post("/sessions/{session}/events", status_code=204)
-def record_event(here: Here, own: OwnSession, message: EventMessage) -> None:
+def record_event(here: OfSession, own: OwnSession, message: EventMessage) -> None:
     """Store something that happened besides answers."""
     here.store.add_event(own.id, message.kind, message.detail)
 
 
 @router.post("/sessions/{session}/withdrawal", status_code=204)
-def withdraw(here: Here, own: OwnSession) -> None:
+def withdraw(here: OfSession, own: OwnSession) -> None:
     """Erase everything that the participant has left."""
     withdraw_session(here.store, own.id)
 
 
 @router.post("/sessions/{session}/complete")
-def complete_session(here: Here, own: OwnSession) -> dict[str, str]:
-    """Give the completion code, if every trial has its answer."""
+def complete_session(here: OfSession, own: OwnSession) -> dict[str, str | None]:
+    """Give the completion code, and where to go with it, if every trial has its answer."""
     estimates = None
     if here.study.design.is_adaptive:
         with here.courses.of(own) as course:
@@ -184,7 +171,14 @@ def complete_session(here: Here, own: OwnSession) -> dict[str, str]:
     if missing:
         message = f"session: {len(missing)} trials have no answer yet"
         raise ApiError(409, message, "incomplete", missing=missing)
-    return {"completion_code": here.store.complete(own.id, estimates)}
+    code = here.store.complete(own.id, estimates)
+    return {"completion_code": code, "completion_url": _completion_url(here, own.id, code)}
+
+
+def _completion_url(here: Service, session: str, code: str | None) -> str | None:
+    if code is None:
+        return None
+    return here.study.recruitment.completed_at(parameters_of(here.store, session), code)
 
 
 def _known_trials(here: Service, own: Session) -> tuple[tuple[Trial, ...], dict[str, Any] | None]:
@@ -211,7 +205,8 @@ def _example(here: Service) -> dict[str, Any] | None:
     }
 
 
-def _identity(session: Session) -> dict[str, Any]:
+def identity(session: Session) -> dict[str, Any]:
+    """Return what tells a session from others."""
     return {
         "session": session.id,
         "participant": session.participant,

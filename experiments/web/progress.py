@@ -3,9 +3,10 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
-from typing import Any, Final
+from typing import Any
 
 from experiments.activity import answers_by_hour, late_shares
+from experiments.admission import paused_since
 from experiments.course import course_of
 from experiments.participation import exclusion_reasons
 from experiments.responses import EXCLUSION, Session
@@ -13,8 +14,6 @@ from experiments.store import Store
 from experiments.study import Study
 from experiments.trials import Assignment
 from stimuli.manifest import StimulusSet
-
-_DROPPED_OUT_AFTER: Final = timedelta(hours=1)
 
 
 @dataclass(frozen=True)
@@ -30,7 +29,7 @@ class _Known:
 def study_progress(store: Store, study: Study, stimuli: StimulusSet) -> dict[str, Any]:
     """Return counts of sessions and answers, people apart from simulated ones and pilots.
 
-    `started`, `completed`, `dropped_out` (unfinished, and no answer for an hour), `excluded` and
+    `started`, `completed`, `dropped_out` (unfinished, and no answer for long), `excluded` and
     `withdrawn` count people's sessions that are no pilots; `answers` counts all,
     `answers_by_hour` those of people. Nothing tells what was answered.
     """
@@ -52,9 +51,11 @@ def study_progress(store: Store, study: Study, stimuli: StimulusSet) -> dict[str
         "study": study.name,
         "title": study.title,
         "target": study.stopping.participants,
+        "paused_since": paused_since(store, study.name),
+        "abandoned_after_s": study.stopping.abandoned_after_s,
         **{f"{kind}started": len(members) for kind, members in kinds.items()},
         **{f"{kind}completed": _completed(members) for kind, members in kinds.items()},
-        "dropped_out": sum(_dropped_out(session, answered) for session in kinds[""]),
+        "dropped_out": sum(_dropped_out(study, session, answered) for session in kinds[""]),
         "excluded": sum(session.id in known.exclusions for session in kinds[""]),
         "withdrawn": sum(session.withdrawn_at is not None for session in kinds[""]),
         "answers_by_hour": answers_by_hour(store, study.name),
@@ -73,11 +74,12 @@ def _trial_count(study: Study, stimuli: StimulusSet) -> int:
     return course_of(study, stimuli, Assignment(participant_number=1)).limit
 
 
-def _dropped_out(session: Session, answered: Mapping[str, tuple[int, str]]) -> bool:
+def _dropped_out(study: Study, session: Session, answered: Mapping[str, tuple[int, str]]) -> bool:
     if session.completed_at is not None or session.withdrawn_at is not None:
         return False
     _, last = answered.get(session.id, (0, session.started_at))
-    return datetime.now(UTC) - datetime.fromisoformat(last) > _DROPPED_OUT_AFTER
+    silent = datetime.now(UTC) - datetime.fromisoformat(last)
+    return silent > timedelta(seconds=study.stopping.abandoned_after_s)
 
 
 def _rows(sessions: Iterable[Session], known: _Known) -> list[dict[str, Any]]:

@@ -1,15 +1,16 @@
-"""What the handlers share: the study that is served, and who is asking."""
+"""What the handlers share: the studies that are served, and who is asking."""
 
 import hmac
 import math
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Annotated
 
 from fastapi import Depends, Header, Request
 
+from experiments.admission import Closed, closed
 from experiments.responses import Session
 from experiments.store import Store
 from experiments.study import CHOOSES, Study
@@ -30,12 +31,6 @@ class Service:
     store: Store
     exhibits: Exhibits
     pilot: bool
-    wrong_tokens: WrongTokens = field(default_factory=WrongTokens)
-
-    @cached_property
-    def known_sessions(self) -> KnownSessions:
-        """The sessions that were seen before."""
-        return KnownSessions(self.store)
 
     @property
     def example(self) -> Stimulus | None:
@@ -68,11 +63,40 @@ class Service:
         """What is served, exactly: the digests of study and set."""
         return self.study.digest, self.stimuli.digest
 
-    def accepts_people(self) -> bool:
-        """Whether the study's stopping rule lets another participant begin."""
-        if self.pilot:
-            return True
-        return self.store.completed_count(self.study.name) < self.study.stopping.participants
+    def refuses(self) -> Closed | None:
+        """Return why no person may begin the study now, or None where they may."""
+        return None if self.pilot else closed(self.store, self.study)
+
+
+@dataclass(frozen=True)
+class Site:
+    """All studies that are served from one store, by their names."""
+
+    store: Store
+    services: Mapping[str, Service]
+    wrong_tokens: WrongTokens = field(default_factory=WrongTokens)
+
+    @cached_property
+    def known_sessions(self) -> KnownSessions:
+        """The sessions that were seen before."""
+        return KnownSessions(self.store)
+
+    def refuse_too_many(self, request: Request) -> None:
+        """Refuse who has told too many wrong tokens.
+
+        Raises
+        ------
+        ApiError
+            With 429, and how long to wait.
+        """
+        wait_s = math.ceil(self.wrong_tokens.wait_s(_address(request)))
+        if wait_s > 0:
+            message = f"Authorization: too many wrong tokens from here; try again in {wait_s} s"
+            raise ApiError(429, message, headers={"Retry-After": str(wait_s)})
+
+    def count_wrong(self, request: Request) -> None:
+        """Count a wrong token."""
+        self.wrong_tokens.add(_address(request))
 
 
 def researcher_token(store: Store) -> str:
@@ -100,13 +124,36 @@ def server_secret(store: Store) -> str:
 # Dependencies are asynchronous: others would each wait for a thread of their own.
 
 
-async def _service(request: Request) -> Service:
-    service = request.app.state.service
-    assert isinstance(service, Service)
-    return service
+async def _site(request: Request) -> Site:
+    site = request.app.state.site
+    assert isinstance(site, Site)
+    return site
 
 
-Here = Annotated[Service, Depends(_service)]
+Here = Annotated[Site, Depends(_site)]
+
+
+async def _of_study(study: str, here: Here) -> Service:
+    found = here.services.get(study)
+    if found is None:
+        raise ApiError(404, "study: there is no such study here")
+    return found
+
+
+OfStudy = Annotated[Service, Depends(_of_study)]
+"""The study that the address names."""
+
+
+async def _of_session(session: str, here: Here) -> Service:
+    # A session's id begins with its study's name, in which there is no dot.
+    found = here.services.get(session.partition(".")[0])
+    if found is None:
+        raise ApiError(401, "session: there is no such session here")
+    return found
+
+
+OfSession = Annotated[Service, Depends(_of_session)]
+"""The study of the session that the address names."""
 
 
 async def _bearer(authorization: Annotated[str, Header()] = "") -> str:
@@ -119,17 +166,19 @@ async def _bearer(authorization: Annotated[str, Header()] = "") -> str:
 Token = Annotated[str, Depends(_bearer)]
 
 
-async def _known_session(request: Request, session: str, here: Here, token: Token) -> Session:
+async def _known_session(
+    request: Request, session: str, here: Here, served: OfSession, token: Token
+) -> Session:
     found = here.known_sessions.get(session, token)
     if found is None:
-        _refuse_too_many(here, request)
+        here.refuse_too_many(request)
         found = await here.known_sessions.authenticate(session, token)
     if found is None:
-        here.wrong_tokens.add(_address(request))
+        here.count_wrong(request)
         raise ApiError(401, "Authorization: the token is not this session's")
     if found.withdrawn_at is not None:
         raise ApiError(410, "session: withdrawn; nothing more is stored of it", "withdrawn")
-    if (found.study_digest, found.stimuli_digest) != here.digests:
+    if (found.study_digest, found.stimuli_digest) != served.digests:
         raise ApiError(409, "session: begun with another version of the study", "study-changed")
     return found
 
@@ -149,27 +198,14 @@ OwnSession = Annotated[Session, Depends(_own_session)]
 """The session of who asks, as it is now."""
 
 
-async def _check_study(study: str, here: Here) -> None:
-    if study != here.study.name:
-        raise ApiError(404, "study: there is no such study here")
-
-
 def _check_researcher(request: Request, here: Here, token: Token) -> None:
-    _refuse_too_many(here, request)
+    here.refuse_too_many(request)
     if not hmac.compare_digest(token.encode(), researcher_token(here.store).encode()):
-        here.wrong_tokens.add(_address(request))
+        here.count_wrong(request)
         raise ApiError(401, "Authorization: not the researcher's token")
 
 
-KnownStudy = Depends(_check_study)
 Researcher = Depends(_check_researcher)
-
-
-def _refuse_too_many(here: Service, request: Request) -> None:
-    wait_s = math.ceil(here.wrong_tokens.wait_s(_address(request)))
-    if wait_s > 0:
-        message = f"Authorization: too many wrong tokens from here; try again in {wait_s} s"
-        raise ApiError(429, message, headers={"Retry-After": str(wait_s)})
 
 
 def _address(request: Request) -> str:

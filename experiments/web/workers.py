@@ -14,7 +14,7 @@ from uvicorn.supervisors import Multiprocess
 from algorithms.errors import InputError
 from experiments.store import Store
 from experiments.study import Study
-from experiments.web.app import create_app
+from experiments.web.app import create_site
 from experiments.web.server import settings
 from stimuli.manifest import StimulusSet
 
@@ -25,21 +25,20 @@ class Worker:
 
     Attributes
     ----------
-    study, stimuli, pilot
-        As in `create_app`.
+    studies, pilot
+        As in `create_site`.
     data
         The URL of the store.
     """
 
-    study: Study
-    stimuli: StimulusSet
+    studies: tuple[tuple[Study, StimulusSet], ...]
     data: str
     pilot: bool
 
     def __call__(self) -> FastAPI:
         """Open the store and return the application; the process ends with its parent."""
         threading.Thread(target=_end_with_parent, daemon=True).start()
-        return create_app(self.study, self.stimuli, Store.open(self.data), pilot=self.pilot)
+        return create_site(self.studies, Store.open(self.data), pilot=self.pilot)
 
 
 def check_workers(workers: int, store: Store) -> None:

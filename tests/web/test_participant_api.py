@@ -4,7 +4,7 @@ import httpx
 import pytest
 from PIL import Image
 
-from experiments.store import NewSession, Store
+from experiments.store import Store
 from experiments.study import Study
 from experiments.trials import Assignment, planned_trials
 from experiments.web import create_app, running_server
@@ -34,7 +34,8 @@ def test_a_study_is_described_with_what_a_participant_needs(
     assert told["timing"]["blank_s"] == study.timing.blank_s
     assert told["timing"]["time_limit_s"] is None
     assert told["answers"] == {"labels": None, "ties": False, "picks": None}
-    assert told["accepting"] is True
+    assert told["closed"] is None
+    assert told["recruitment"] == {"parameters": [], "required": False}
 
 
 def test_the_example_is_shown_with_its_answer_and_is_no_trial(
@@ -281,31 +282,6 @@ def test_no_answer_is_accepted_only_under_a_time_limit(
         assert hurried.answer(0, None, input="none", reaction_time_s=None).status_code == 200
         assert [row.answer for row in other.responses()] == [None]
     assert store.responses() == []
-
-
-def test_a_full_study_takes_simulated_participants_only(
-    study: Study, drawn_set: StimulusSet, store: Store
-) -> None:
-    one = changed(study, stopping={"participants": 1})
-    new = NewSession(runner="web", device="", demographics={}, screen={})
-    with (
-        running_server(create_app(one, drawn_set, store)) as url,
-        httpx.Client(base_url=url) as client,
-    ):
-        session, _ = store.begin_session(one, drawn_set, new)
-        assert client.get(f"/api/studies/{STUDY}").json()["accepting"] is True
-        store.complete(session.id)
-        assert client.get(f"/api/studies/{STUDY}").json()["accepting"] is False
-        reply = client.post(f"/api/studies/{STUDY}/sessions", json=consent())
-        assert (reply.status_code, error_code(reply)) == (409, "closed")
-        Visitor(client).begin(simulated=True)
-    with (
-        running_server(create_app(one, drawn_set, store, pilot=True)) as url,
-        httpx.Client(base_url=url) as client,
-    ):
-        pilot = store.session(Visitor(client).begin().session)
-    assert pilot is not None
-    assert pilot.pilot is True
 
 
 def test_a_session_of_another_version_of_the_study_is_refused(

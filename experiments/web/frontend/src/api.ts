@@ -12,6 +12,8 @@ export type Task = "odd-one-out" | "two-alternative" | "yes-no" | "ranking" | "p
  * labels picked, from the smallest on.
  */
 export type AnswerValue = number | number[];
+export type Closed = "paused" | "full" | "busy";
+export type Gamut = "srgb" | "p3" | "rec2020";
 export type InputKind = "mouse" | "touch" | "keyboard" | "none";
 
 /** What a participant says of themself; only the fields that the study lists. */
@@ -19,6 +21,18 @@ export interface Demographics {
   age?: number;
   gender?: Gender;
   artistic_background?: boolean;
+}
+
+/** What a study asks of the screen. */
+export interface ScreenRules {
+  minimum_width_px: number;
+  minimum_height_px: number;
+  color_gamut: Gamut | null;
+  allow_zoom: boolean;
+  rule: "refuse" | "flag";
+  fullscreen: boolean;
+  calibrate: boolean;
+  distance: boolean;
 }
 
 /** What everybody may know of a study. `example` is no trial, so its answer is no secret. */
@@ -33,7 +47,9 @@ export interface Study {
   choices: number | null;
   consent: { version: string; text: string };
   demographics: DemographicsField[];
-  screen: { minimum_width_px: number; minimum_height_px: number };
+  screen: ScreenRules;
+  /** What of the address is kept, the first telling who comes; whether nobody may come without. */
+  recruitment: { parameters: string[]; required: boolean };
   timing: {
     blank_s: number;
     image_s: number | null;
@@ -47,7 +63,15 @@ export interface Study {
     picks: [number, number] | null;
   };
   example: (Picture & { answer: AnswerValue }) | null;
-  accepting: boolean;
+  /** Why nobody may begin now, or null where they may. */
+  closed: Closed | null;
+}
+
+/** What a participant leaves with. */
+export interface Completion {
+  completion_code: string;
+  /** Where to go with it, or null. */
+  completion_url: string | null;
 }
 
 /** A session's id and the secret that opens it. */
@@ -92,6 +116,7 @@ export interface Session {
   answered: number[];
   complete: boolean;
   completion_code: string | null;
+  completion_url: string | null;
 }
 
 /** Label and length of each run of equal labels, row by row; label 0 is the background. */
@@ -130,8 +155,11 @@ export interface AnswerReply {
 export interface NewSession {
   consent_version: string;
   demographics: Demographics;
-  screen: Record<string, number>;
+  screen: Record<string, number | string>;
   device: string;
+  /** Drawn once: a beginning whose reply was lost is posted again, and begins nothing new. */
+  arrival: string;
+  recruitment: Record<string, string>;
   simulated: false;
 }
 
@@ -141,7 +169,13 @@ export const api = {
     post<Credentials>(`/api/studies/${name}/sessions`, null, session),
   session: ({ session, token }: Credentials) => getJson<Session>(sessionPath(session), token),
   complete: ({ session, token }: Credentials) =>
-    post<{ completion_code: string }>(`${sessionPath(session)}/complete`, token, {}),
+    post<Completion>(`${sessionPath(session)}/complete`, token, {}),
+  comeBack: (name: string, recruitment: Record<string, string>) =>
+    post<Credentials>(`/api/studies/${name}/return`, null, { recruitment }),
+  keep: ({ session, token }: Credentials, page: string) =>
+    post<null>(`${sessionPath(session)}/lease`, token, { page }),
+  withdraw: ({ session, token }: Credentials) =>
+    post<null>(`${sessionPath(session)}/withdrawal`, token, null),
 };
 
 /** The address below which everything of a session lies. */

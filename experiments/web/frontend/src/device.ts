@@ -1,5 +1,7 @@
 /** What the browser tells of itself and of the screen. */
 
+import type { Gamut } from "./api";
+
 const BROWSERS: [name: string, pattern: RegExp][] = [
   ["Edge", /Edg(?:e|A|iOS)?\/([\d.]+)/],
   ["Opera", /OPR\/([\d.]+)/],
@@ -34,12 +36,14 @@ export function describeDevice(userAgent: string): string {
   return `unknown browser, ${system}`;
 }
 
-/** Return sizes of screen and window in CSS pixels, and the device pixels per CSS pixel. */
-export function describeScreen(): Record<string, number> {
+/** Return sizes of screen and window in CSS pixels, device pixels per CSS pixel, and colours. */
+export function describeScreen(): Record<string, number | string> {
+  const color_gamut = colorGamut();
   return {
     width_px: screen.width,
     height_px: screen.height,
     color_depth_bits: screen.colorDepth,
+    ...(color_gamut === null ? {} : { color_gamut }),
     ...describeWindow(),
   };
 }
@@ -50,5 +54,25 @@ export function describeWindow(): Record<string, number> {
     window_width_px: window.innerWidth,
     window_height_px: window.innerHeight,
     pixel_ratio: window.devicePixelRatio,
+    zoom: Math.round(100 * zoom()) / 100,
   };
+}
+
+/** Return the widest gamut that the screen shows, or null where the browser does not tell. */
+export function colorGamut(): Gamut | null {
+  const gamuts: Gamut[] = ["rec2020", "p3", "srgb"];
+  return gamuts.find((gamut) => window.matchMedia(`(color-gamut: ${gamut})`).matches) ?? null;
+}
+
+/**
+ * Return the page's zoom, 1 for none, as far as it can be known.
+ *
+ * Browsers tell no zoom. At a desk the window's outer width does not follow it and the inner one
+ * does, but side bars count as zoom; where one pinches, the zoom is that of the visible part.
+ */
+export function zoom(): number {
+  if (window.matchMedia("(pointer: coarse)").matches) {
+    return window.visualViewport?.scale ?? 1;
+  }
+  return window.outerWidth > 0 ? window.outerWidth / window.innerWidth : 1;
 }

@@ -3,10 +3,14 @@
 import { initJsPsych } from "jspsych";
 import { api, type Credentials, type Session, type Study } from "./api";
 import { element } from "./dom";
+import { enterFullscreen, leaveFullscreen } from "./fullscreen";
 import { growTimeline } from "./growing-timeline";
+import { forget } from "./memory";
 import { message, setLanguage } from "./messages";
 import { Notice } from "./notice";
 import { beginSession, findSession, findStudy, leaveIfAsked } from "./opening";
+import { holdStudy, keepSession } from "./page-lock";
+import { showElsewhere } from "./pages/elsewhere";
 import { type Example, showInstructions } from "./pages/instructions";
 import { showLoading } from "./pages/loading";
 import { showConnecting, showProblem } from "./pages/problem";
@@ -16,6 +20,7 @@ import { apiLoader, preload, preloadPictures } from "./preload";
 import { Recorder } from "./recorder";
 import { ApiError, retry } from "./retry";
 import { makeTimeline } from "./timeline";
+import { offerWithdrawal } from "./withdrawal";
 import "./styles/base.css";
 import "./styles/pages.css";
 import "./styles/trial.css";
@@ -40,27 +45,52 @@ async function takePart(name: string): Promise<void> {
   document.documentElement.lang = study.language;
   setLanguage(study.language);
   leaveIfAsked(name);
-  const earlier = await findSession(root, name);
-  const credentials = earlier?.credentials ?? (await beginSession(root, study));
-  if (credentials !== null) {
-    await continueSession(study, credentials, earlier?.session ?? null);
+  await holdStudy(name, () => showElsewhere(root));
+  const earlier = await findSession(root, study);
+  if (earlier !== null && (await takeSession(study, earlier))) {
+    await continueSession(study, earlier, true);
+    return;
+  }
+  const begun = await beginSession(root, study);
+  if (begun !== null && (await takeSession(study, begun))) {
+    await continueSession(study, begun, false);
   }
 }
 
-/** @param earlier - The session as a returning participant left it, or null for a new one. */
+/** Take a session for this page alone; false where the server does not know it any more. */
+async function takeSession({ study }: Study, credentials: Credentials): Promise<boolean> {
+  try {
+    await keepSession(
+      credentials,
+      () => showElsewhere(root),
+      () => location.reload(),
+    );
+    return true;
+  } catch (error) {
+    if (error instanceof ApiError) {
+      forget(study);
+      return false;
+    }
+    throw error;
+  }
+}
+
+/** @param returning - Whether the session was begun by an earlier page. */
 async function continueSession(
   study: Study,
   credentials: Credentials,
-  earlier: Session | null,
+  returning: boolean,
 ): Promise<void> {
-  let session = earlier ?? (await retry(() => api.session(credentials)));
-  if (session.completion_code !== null) {
-    showThanks(root, session.completion_code);
-    return;
-  }
+  let session = await retry(() => api.session(credentials));
   const { adaptive } = session;
   const offline = adaptive === null ? "notice.offline" : "notice.offline_wait";
   const recorder = await Recorder.open(credentials, notice, offline);
+  offerWithdrawal(root, study.study, credentials, () => recorder.close());
+  if (session.completion_code !== null) {
+    const { completion_code, completion_url } = session;
+    showThanks(root, { completion_code, completion_url }, false);
+    return;
+  }
   if (adaptive !== null && recorder.unsentTrials().length > 0) {
     // What comes next follows from the answers that an earlier page left unsent.
     showConnecting(root);
@@ -68,24 +98,29 @@ async function continueSession(
     session = await retry(() => api.session(credentials));
   }
   const answered = new Set([...session.answered, ...recorder.unsentTrials()]);
-  const open = session.trials.filter((trial) => !answered.has(trial.index));
-  if (earlier !== null) {
+  const unanswered = session.trials.filter((trial) => !answered.has(trial.index));
+  if (returning) {
     recorder.event("resume", { answered: answered.size });
     await showResume(root, answered.size, session);
   } else {
     await instruct(study, session);
   }
+  if (study.screen.fullscreen) {
+    recorder.event("fullscreen", { on: await enterFullscreen() });
+  }
   const loader = apiLoader(credentials.token);
+  const { moved, failed } = showLoading(root);
   if (adaptive === null) {
-    const stimuli = await preload(open, loader, showLoading(root));
+    const stimuli = await preload(unanswered, loader, moved, failed);
     await runTrials(() => makeTimeline(study, session.trials, stimuli, recorder), recorder);
-  } else if (open[0] !== undefined) {
-    const [first] = open;
-    const stimuli = await preloadPictures(adaptive.pictures, loader, showLoading(root));
+  } else if (unanswered[0] !== undefined) {
+    const [first] = unanswered;
+    const stimuli = await preloadPictures(adaptive.pictures, loader, moved, failed);
     const grow = (display: () => HTMLElement) =>
       growTimeline(study, first, adaptive, stimuli, recorder, display);
     await runTrials(grow, recorder);
   }
+  await leaveFullscreen();
   await finish(credentials, recorder);
 }
 
@@ -124,8 +159,7 @@ async function finish(credentials: Credentials, recorder: Recorder): Promise<voi
   showSending(root);
   await recorder.allSent();
   try {
-    const { completion_code } = await retry(() => api.complete(credentials));
-    showThanks(root, completion_code);
+    showThanks(root, await retry(() => api.complete(credentials)), true);
   } catch (error) {
     if (!(error instanceof ApiError)) {
       throw error;

@@ -33,6 +33,7 @@ export function apiLoader(token: string | null): Loader {
  * Load the stimuli of trials, each file once however many trials share it.
  *
  * @param onProgress - Called with the number of loaded files and of all.
+ * @param onFailure - Called when a file could not be had, before it is tried again.
  * @returns The stimuli by trial index.
  * @throws ApiError if the server refuses a file; passing failures are retried.
  */
@@ -40,6 +41,7 @@ export async function preload(
   trials: { index: number; pictures: Picture[] }[],
   loader: Loader,
   onProgress: (loaded: number, total: number) => void = () => {},
+  onFailure: () => void = () => {},
 ): Promise<Map<number, Stimulus[]>> {
   const images = new Map<string, HTMLImageElement>();
   const regions = new Map<string, Regions>();
@@ -47,10 +49,10 @@ export async function preload(
   const maps = pictures.map((picture) => picture.regions).filter((path) => path !== null);
   const tasks = [
     ...unique(maps).map((path) => async () => {
-      regions.set(path, await retry(() => loader.regions(path)));
+      regions.set(path, await retry(() => loader.regions(path), onFailure));
     }),
     ...unique(pictures.map((picture) => picture.image)).map((path) => async () => {
-      images.set(path, await retry(() => loader.image(path)));
+      images.set(path, await retry(() => loader.image(path), onFailure));
     }),
   ];
   await inParallel(tasks, onProgress);
@@ -68,8 +70,10 @@ export async function preloadPictures(
   pictures: Picture[],
   loader: Loader,
   onProgress?: (loaded: number, total: number) => void,
+  onFailure?: () => void,
 ): Promise<Map<string, Stimulus>> {
-  const loaded = (await preload([{ index: 0, pictures }], loader, onProgress)).get(0) ?? [];
+  const all = [{ index: 0, pictures }];
+  const loaded = (await preload(all, loader, onProgress, onFailure)).get(0) ?? [];
   return new Map(loaded.map((stimulus, place) => [pictures[place]?.image ?? "", stimulus]));
 }
 

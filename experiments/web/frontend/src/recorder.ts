@@ -22,6 +22,7 @@ export class Recorder {
   private readonly outbox: Outbox;
   private eventCount = 0;
   private toldNotKept = false;
+  private closed = false;
 
   private constructor(
     private readonly credentials: Credentials,
@@ -57,6 +58,9 @@ export class Recorder {
 
   /** Keep and send an answer; resolves when it is kept, with the promise of the server's reply. */
   async answer(trialIndex: number, data: TrialData): Promise<{ reply: Promise<AnswerReply> }> {
+    if (this.closed) {
+      return { reply: new Promise(() => {}) };
+    }
     const id = answerId(this.credentials.session, trialIndex);
     const { answer, reaction_time_s, onset_requested_s, onset_measured_s } = data;
     const { frame_interval_s, dropped_frames, input } = data;
@@ -77,9 +81,18 @@ export class Recorder {
 
   /** Keep and send something that happened besides answers; failing to is no one's trouble. */
   event(kind: string, detail: Detail = {}): void {
+    if (this.closed) {
+      return;
+    }
     const at_s = performance.now() / 1000;
     const id = `${this.credentials.session}.event.${performance.timeOrigin}.${this.eventCount++}`;
     void this.outbox.add(this.post(id, "events", { kind, detail: { at_s, ...detail } }));
+  }
+
+  /** Take nothing more: the participant has withdrawn. */
+  close(): void {
+    this.closed = true;
+    this.notice.show(null);
   }
 
   /** The trials of this session whose answers are kept here but not acknowledged yet. */
@@ -120,7 +133,7 @@ export class Recorder {
   }
 
   private refused(post: Post, error: unknown): void {
-    if (post.token === this.credentials.token && trialIndexOf(post) !== undefined) {
+    if (!this.closed && post.token === this.credentials.token && trialIndexOf(post) !== undefined) {
       const status = error instanceof ApiError ? error.status : 0;
       this.notice.show("notice.rejected");
       this.event("answer-refused", { id: post.id, status });

@@ -92,11 +92,15 @@ export class Regions {
 
   /** Return how many pixels of a box belong to a region; those outside the image count too. */
   covered(box: Box): number {
-    let count = 0;
-    for (let y = box.top; y < box.bottom; y++) {
-      for (let x = box.left; x < box.right; x++) {
-        const outside = x < 0 || y < 0 || x >= this.width_px || y >= this.height_px;
-        count += Number(outside || this.labelAt(x, y) !== BACKGROUND);
+    // Only what lies inside is looked at: where an image has hardly any room, a box is huge.
+    const left = Math.max(box.left, 0);
+    const right = Math.max(left, Math.min(box.right, this.width_px));
+    const top = Math.max(box.top, 0);
+    const bottom = Math.max(top, Math.min(box.bottom, this.height_px));
+    let count = (box.right - box.left) * (box.bottom - box.top) - (right - left) * (bottom - top);
+    for (let y = top; y < bottom; y++) {
+      for (let x = left; x < right; x++) {
+        count += Number(this.labelAt(x, y) !== BACKGROUND);
       }
     }
     return count;

@@ -3,7 +3,7 @@
 import { getBlob, getJson, post } from "./api";
 import { element } from "./dom";
 import { type MessageKey, message } from "./messages";
-import { type Progress, progressView, type SessionProgress } from "./pages/progress";
+import { clock, type Progress, progressView, type SessionProgress } from "./pages/progress";
 import { ApiError } from "./retry";
 import "./styles/base.css";
 import "./styles/pages.css";
@@ -41,6 +41,8 @@ const link = element(
   { class: "hint" },
   message("researcher.link", { link: `${location.origin}/s/${study}/` }),
 );
+const pausing = element("button", { type: "button" });
+const paused = element("p", { class: "paused" });
 const fault = element("p", { class: "fault", role: "alert" });
 const heading = element("h1", {}, message("researcher.title", { study }));
 const main = element(
@@ -48,6 +50,7 @@ const main = element(
   { class: "page researcher" },
   heading,
   state,
+  element("div", { class: "saves" }, pausing, paused),
   counts,
   saves,
   fault,
@@ -71,6 +74,7 @@ async function follow(): Promise<void> {
     const progress = await getJson<Progress>(path, token());
     counts.replaceChildren(...progressView(progress, { exclude, withdraw }));
     heading.textContent = progress.title;
+    showPause(progress.paused_since);
     state.textContent = message("researcher.updated", { time: new Date().toLocaleTimeString() });
     main.classList.remove("stale");
   } catch (error) {
@@ -89,6 +93,13 @@ function refuse(error: ApiError): void {
   main.replaceChildren(heading, element("p", { class: "fault", role: "alert" }, message(key)));
 }
 
+function showPause(since: string | null): void {
+  const key = since === null ? "researcher.pause" : "researcher.resume";
+  pausing.textContent = message(key);
+  pausing.onclick = () => void tell(since === null ? "pause" : "resume", null);
+  paused.textContent = since === null ? "" : message("researcher.paused", { time: clock(since) });
+}
+
 function exclude(session: SessionProgress): void {
   const { participant } = session;
   const reason = window.prompt(message("researcher.exclude.reason", { participant }))?.trim();
@@ -104,11 +115,15 @@ function withdraw(session: SessionProgress): void {
   }
 }
 
+function change({ session }: SessionProgress, what: string, body: unknown): Promise<void> {
+  return tell(`sessions/${encodeURIComponent(session)}/${what}`, body);
+}
+
 /** Tell the server; the next counts show what came of it. */
-async function change({ session }: SessionProgress, what: string, body: unknown): Promise<void> {
+async function tell(what: string, body: unknown): Promise<void> {
   fault.textContent = "";
   try {
-    await post(`${path}/sessions/${encodeURIComponent(session)}/${what}`, token(), body);
+    await post(`${path}/${what}`, token(), body);
   } catch (error) {
     const reason = error instanceof Error ? error.message : String(error);
     fault.textContent = message("researcher.action_failed", { reason });

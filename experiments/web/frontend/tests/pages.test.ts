@@ -114,6 +114,8 @@ describe("the researcher's counts", () => {
       study: "s",
       title: "T",
       target: 24,
+      paused_since: null,
+      abandoned_after_s: 3600,
       started: 1,
       completed: 0,
       dropped_out: 1,

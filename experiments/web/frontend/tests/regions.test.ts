@@ -85,3 +85,27 @@ describe("boxes and outlines", () => {
     expect(full.outline(1)).toBe("M0 0H3M0 2H3M0 0V2M3 0V2");
   });
 });
+
+describe("covered pixels", () => {
+  it("are those of objects and those outside the image", () => {
+    const full = Regions.fromRuns({
+      width_px: 3,
+      height_px: 2,
+      runs: [
+        [0, 2],
+        [1, 1],
+        [0, 3],
+      ],
+    });
+    expect(full.covered({ left: 1, top: 0, right: 3, bottom: 2 })).toBe(1);
+    expect(full.covered({ left: -1, top: -1, right: 4, bottom: 2 })).toBe(15 - 6 + 1);
+    expect(full.covered({ left: 5, top: 5, right: 7, bottom: 7 })).toBe(4);
+  });
+
+  // A page that has no room for its picture once asked for boxes of 10^10 pixels, and hung.
+  it("are counted at once in a box however large", () => {
+    const far = 1e9;
+    const covered = regions.covered({ left: -far, top: -far, right: far, bottom: far });
+    expect(covered).toBeGreaterThan(far ** 2);
+  });
+});

@@ -3,14 +3,15 @@
 import type { Study } from "../api";
 import { element, pressed, showPage } from "../dom";
 import { message } from "../messages";
+import { screenFaults } from "../screen-check";
 
-/** Show what the participant agrees to; resolves when they agree, in a window large enough. */
+/** Show what the participant agrees to; resolves when they agree, on a screen that will do. */
 export async function showConsent(root: HTMLElement, study: Study): Promise<void> {
   const agree = element("button", { class: "primary", type: "button" }, message("consent.agree"));
-  const tooSmall = element("p", { class: "fault", role: "status" });
+  const fault = element("p", { class: "fault", role: "status" });
   const check = () => {
-    tooSmall.textContent = windowFault(study.screen);
-    agree.disabled = tooSmall.textContent !== "";
+    fault.textContent = screenFaults(study.screen).join(" ");
+    agree.disabled = fault.textContent !== "";
   };
   const paragraphs = study.consent.text.trim().split(/\n\s*\n/);
   showPage(
@@ -18,23 +19,11 @@ export async function showConsent(root: HTMLElement, study: Study): Promise<void
     study.title,
     element("h2", {}, message("consent.title")),
     ...paragraphs.map((text) => element("p", {}, text)),
-    tooSmall,
+    fault,
     agree,
   );
   check();
   window.addEventListener("resize", check);
   await pressed(agree);
   window.removeEventListener("resize", check);
-}
-
-function windowFault({ minimum_width_px, minimum_height_px }: Study["screen"]): string {
-  if (window.innerWidth >= minimum_width_px && window.innerHeight >= minimum_height_px) {
-    return "";
-  }
-  return message("consent.window", {
-    width: minimum_width_px,
-    height: minimum_height_px,
-    actual_width: window.innerWidth,
-    actual_height: window.innerHeight,
-  });
 }

@@ -3,13 +3,26 @@
 import { element, showPage } from "../dom";
 import { message } from "../messages";
 
-/** Show an empty progress bar; the function returned moves it. */
-export function showLoading(root: HTMLElement): (loaded: number, total: number) => void {
+/** How the loading goes on. */
+interface Loading {
+  moved(loaded: number, total: number): void;
+  failed(): void;
+}
+
+/** Show an empty progress bar. */
+export function showLoading(root: HTMLElement): Loading {
   const bar = element("progress", { max: "1", value: "0" });
   const count = element("p", { class: "hint" });
-  showPage(root, message("loading.title"), bar, count);
-  return (loaded, total) => {
-    bar.value = total === 0 ? 1 : loaded / total;
-    count.textContent = message("loading.progress", { loaded, total });
+  const trouble = element("p", { class: "hint", role: "status" });
+  showPage(root, message("loading.title"), bar, count, trouble);
+  return {
+    moved(loaded, total) {
+      bar.value = total === 0 ? 1 : loaded / total;
+      count.textContent = message("loading.progress", { loaded, total });
+      trouble.textContent = "";
+    },
+    failed() {
+      trouble.textContent = message("loading.trouble");
+    },
   };
 }

@@ -25,6 +25,10 @@ export interface Progress {
   study: string;
   title: string;
   target: number;
+  /** When the researcher paused the study, or null. */
+  paused_since: string | null;
+  /** Who is silent for so long, in seconds, counts as dropped out. */
+  abandoned_after_s: number;
   started: number;
   completed: number;
   simulated_started: number;
@@ -67,7 +71,10 @@ function tiles(progress: Progress): HTMLElement {
       values: { target: progress.target },
     }),
     tile("researcher.started", progress.started),
-    tile("researcher.dropped_out", progress.dropped_out, { key: "researcher.dropped_out.of" }),
+    tile("researcher.dropped_out", progress.dropped_out, {
+      key: "researcher.dropped_out.of",
+      values: { minutes: Math.round(progress.abandoned_after_s / 60) },
+    }),
     tile("researcher.left_out", progress.excluded, {
       key: "researcher.left_out.of",
       values: { withdrawn: progress.withdrawn },
@@ -198,7 +205,7 @@ function percent(share: number): string {
 }
 
 /** The time of day, with the date where it is not today. */
-function clock(iso: string): string {
+export function clock(iso: string): string {
   const moment = new Date(iso);
   const today = moment.toDateString() === new Date().toDateString();
   const date: Intl.DateTimeFormatOptions = today ? {} : { dateStyle: "medium" };
