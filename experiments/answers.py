@@ -64,7 +64,8 @@ def response_in(
     if not 0 <= trial_index < len(trials):
         raise InputError(f"trial_index: {trial_index} given, 0 to {len(trials) - 1} accepted")
     trial = trials[trial_index]
-    if answer is None and study.timing.time_limit_s is None:
+    asked = study.task != "free-viewing"
+    if asked and answer is None and study.timing.time_limit_s is None:
         raise InputError(f"answer: none given, {accepted_answers(study, trial)} accepted")
     if answer is not None and not is_possible(study, trial, answer):
         raise InputError(f"answer: {answer} given, {accepted_answers(study, trial)} accepted")
@@ -94,6 +95,8 @@ def is_possible(study: Study, trial: Trial, answer: Answer) -> bool:
         if not isinstance(answer, tuple) or len(answer) != len(trial.stimuli):
             return False
         return is_ranking(answer, ties=study.answers.ties)
+    if study.task == "free-viewing":
+        return False
     if study.task == "pick":
         return isinstance(answer, tuple) and _is_picked(study, answer)
     lowest, highest = _bounds(study)
@@ -108,6 +111,8 @@ def accepted_answers(study: Study, trial: Trial) -> str:
     if study.task == "ranking":
         once = "ties by the best rank they share" if study.answers.ties else "each once"
         return f"the ranks 1 to {len(trial.stimuli)}, {once},"
+    if study.task == "free-viewing":
+        return "none"
     lowest, highest = _bounds(study)
     if study.task == "pick":
         return f"{' to '.join(map(str, _picks(study)))} labels from {lowest} to {highest}, rising,"

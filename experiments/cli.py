@@ -24,6 +24,7 @@ from stimuli.manifest import load as load_stimuli
 
 if TYPE_CHECKING:
     from experiments.simulation import AnyObserver
+    from experiments.viewers import Viewer
 
 # Servers, databases and windows are imported by the commands that need them, so that the others
 # start at once.
@@ -159,6 +160,10 @@ def simulate(
         int,
         typer.Option(min=1, help="Independent runs, each into a store and with a seed of its own."),
     ] = 1,
+    attraction: Annotated[
+        float, typer.Option(help="In free viewing, how much more the right objects are looked at.")
+    ] = 1.0,
+    folder: Annotated[Path, typer.Option(help="In free viewing, where gaze goes.")] = Path("lab"),
     seed: Annotated[int, typer.Option(min=0, help="Fixes every random choice.")] = 2011,
     concurrency: Annotated[int, typer.Option(min=1, help="How many at the same time.")] = 4,
     as_json: Json = False,
@@ -169,11 +174,20 @@ def simulate(
     """
     from experiments.item_observers import ItemObserver
     from experiments.observers import Observer
+    from experiments.viewers import Viewer
 
     loaded = load_study(study)
     stimulus_set = _verified(loaded, stimuli)
     if (in_process or repeat > 1) and (data is None or url is not None):
         raise InputError("data: needed, and no --url, for --in-process and --repeat")
+    if loaded.task == "free-viewing":
+        if data is None or url is not None:
+            raise InputError("data: free-viewing is simulated into a store (--data)")
+        viewed = _simulate_viewing(
+            loaded, stimulus_set, Viewer(attraction), participants, data, folder, seed
+        )
+        _print_facts({"simulated_sessions": viewed, "seed": seed}, as_json)
+        return
     observer: Observer | ItemObserver
     by_level = loaded.task == "yes-no" and loaded.stimuli.level and qualities is None
     if loaded.task in CHOOSES or by_level:
@@ -245,6 +259,9 @@ def run_lab(
     triggers: Annotated[
         Path | None, typer.Option(help="A TOML file of trigger codes and their port.")
     ] = None,
+    eye_tracker: Annotated[
+        Path | None, typer.Option(help="A TOML file with ioHub's settings of an eye tracker.")
+    ] = None,
     pilot: Pilot = False,
 ) -> None:
     """Run a study with one participant in a PsychoPy window on this machine.
@@ -252,6 +269,7 @@ def run_lab(
     Without --age, --gender and --artistic-background a form in the window asks who takes part.
     """
     from experiments.lab import runner
+    from experiments.lab.eye_tracker import read_tracker
     from experiments.lab.photodiode import Photodiode
     from experiments.lab.triggers import load_triggers
     from experiments.lab.window import WindowSettings
@@ -274,6 +292,7 @@ def run_lab(
             pilot=pilot,
             settings=WindowSettings(window is None, window, screen, monitor, square),
             triggers=load_triggers(triggers) if triggers else None,
+            eye_tracker=read_tracker(eye_tracker) if eye_tracker else None,
             announce=typer.echo,
         )
     if session is None:
@@ -355,6 +374,23 @@ def _with_stimuli(studies: list[str], folders: list[Path]) -> list[tuple[Study, 
     each = folders * len(studies) if len(folders) == 1 else folders
     loaded = [load_study(study) for study in studies]
     return [(study, _verified(study, folder)) for study, folder in zip(loaded, each, strict=True)]
+
+
+def _simulate_viewing(
+    study: Study,
+    stimuli: StimulusSet,
+    viewer: "Viewer",
+    participants: int,
+    data: str,
+    folder: Path,
+    seed: int,
+) -> int:
+    from experiments.store import Store
+    from experiments.viewers import simulate_viewing
+
+    generator = np.random.default_rng(seed)
+    with Store.open(data) as store:
+        return len(simulate_viewing(study, stimuli, store, viewer, participants, generator, folder))
 
 
 def _verified(study: Study, folder: Path) -> StimulusSet:

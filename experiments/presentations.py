@@ -11,7 +11,7 @@ Answer = int | tuple[int, ...] | None
 """By task: the label of the chosen region (odd-one-out), the place of the chosen image from 1
 (two-alternative), 1 for yes and 0 for no (yes-no), the rank of each image in the order shown, 1 for
 the best (ranking), the labels of the chosen regions from the smallest on (pick); None where the
-time limit passed."""
+time limit passed, and where nothing is asked (free-viewing)."""
 
 
 @dataclass(frozen=True)

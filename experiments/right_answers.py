@@ -18,6 +18,8 @@ def right_answer(study: Study, stimuli: StimulusSet, trial: Trial) -> Answer:
         truth = stimuli[trial.stimuli[0]].answer
         possible = isinstance(truth, int) and (study.task == "odd-one-out" or truth in (0, 1))
         return truth if possible else None  # type: ignore[return-value]  # a label or 0 or 1
+    if study.task == "free-viewing":
+        return None
     best_first, item = study.practice.best_first, study.stimuli.item
     if trial.phase == "catch" and study.catch is not None:
         best_first = (study.catch.better, study.catch.worse)

@@ -49,6 +49,7 @@ _DESIGNS_OF_TASK: dict[Task, tuple[str, ...]] = {
     "two-alternative": ("pairs", "active-pairs"),
     "ranking": ("sets",),
     "pick": ("factorial",),
+    "free-viewing": ("factorial",),
 }
 # Of the tasks about objects in an image: an object is chosen among `stimuli.choices`.
 CHOOSES: Final[tuple[Task, ...]] = ("odd-one-out", "pick")
@@ -71,13 +72,17 @@ _LATER_KEYS = {
     "exclusion": ("catch_level", "least_catch_share", "largest_late_share"),
 }
 _LATER_PARTS = ("answers", "catch", "recruitment", "analysis", "display")
+_ANSWERED: tuple[Task, ...] = ("odd-one-out", "two-alternative", "yes-no", "ranking", "pick")
 # Keys that only some tasks have a use for.
 _TASKS_OF_KEY: tuple[tuple[str, tuple[Task, ...]], ...] = (
-    ("design.one_of_each", ("odd-one-out", "yes-no", "pick")),
-    ("design.distinct", ("odd-one-out", "yes-no", "pick")),
+    ("design.one_of_each", ("odd-one-out", "yes-no", "pick", "free-viewing")),
+    ("design.distinct", ("odd-one-out", "yes-no", "pick", "free-viewing")),
     ("practice.best_first", ("two-alternative", "ranking")),
     ("catch", ("two-alternative", "ranking")),
-    ("timing.image_s", ("yes-no", "two-alternative")),
+    ("timing.image_s", ("yes-no", "two-alternative", "free-viewing")),
+    ("timing.time_limit_s", _ANSWERED),
+    ("practice", _ANSWERED),
+    ("exclusion.shortest_median_s", _ANSWERED),
     ("timing.mask_s", ("two-alternative",)),
     ("answers.labels", ("yes-no", "ranking")),
     ("answers.ties", ("ranking",)),
@@ -140,9 +145,10 @@ class Study(Part):
     def guess_rate(self) -> float:
         """The share of right answers, or of one of two answers, by chance.
 
-        NaN for rankings, and for picks, where it depends on how many objects are picked.
+        NaN for rankings, for picks, where it depends on how many objects are picked, and where
+        nothing is answered.
         """
-        if self.task in ("ranking", "pick"):
+        if self.task in ("ranking", "pick", "free-viewing"):
             return math.nan
         return 1 / (self.stimuli.choices or 2)
 
@@ -167,7 +173,7 @@ class Study(Part):
         chooses = self.task in CHOOSES
         for key, given, needed in (
             ("choices", self.stimuli.choices, chooses),
-            ("item", self.stimuli.item, not chooses),
+            ("item", self.stimuli.item, not chooses and self.task != "free-viewing"),
         ):
             if needed and given is None:
                 raise ValueError(f"stimuli.{key}: missing")
@@ -175,6 +181,13 @@ class Study(Part):
                 raise ValueError(f"stimuli.{key}: the task {self.task} has no use for it")
         if self.stimuli.within and "factorial" in wanted:
             raise ValueError(f"stimuli.within: the task {self.task} has no use for it")
+        return self
+
+    @model_validator(mode="after")
+    def _check_needs(self) -> Self:
+        """Refuse a task without the keys that are required for it alone."""
+        if self.task == "free-viewing" and self.timing.image_s is None:
+            raise ValueError("timing.image_s: missing")
         if self.task == "pick":
             if self.answers.picks is None:
                 raise ValueError("answers.picks: missing")

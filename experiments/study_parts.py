@@ -23,7 +23,7 @@ Parameter = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,3
 Gamut = Literal["srgb", "p3", "rec2020"]
 DemographicsField = Literal["age", "gender", "artistic_background"]
 
-Task = Literal["odd-one-out", "two-alternative", "yes-no", "ranking", "pick"]
+Task = Literal["odd-one-out", "two-alternative", "yes-no", "ranking", "pick", "free-viewing"]
 
 
 class Part(BaseModel):
@@ -250,7 +250,7 @@ class Timing(Part):
         The empty screen before each stimulus.
     image_s
         Of `yes-no` and `two-alternative`: how long an image stays; the answer may come later. None:
-        until the answer.
+        until the answer. Of `free-viewing`: how long each image is shown.
     mask_s
         Of `two-alternative`: show one image after the other, each for `image_s`, and a mask of
         noise for so long after each; 0 for an empty place. None: side by side.

@@ -36,6 +36,15 @@ def pick_study(study: Study, picks: tuple[int, int], **parts: object) -> Study:
     return Study.model_validate(content | own | parts)
 
 
+def viewing_study(study: Study, image_s: float) -> Study:
+    """Return a study in which the same images are only looked at."""
+    content: dict[str, Any] = study.model_dump(mode="json")
+    own = {"name": "free-viewing", "task": "free-viewing", "practice": {"trials": 0}}
+    content["stimuli"]["choices"] = None
+    content["exclusion"]["shortest_median_s"] = None
+    return Study.model_validate(content | own | {"timing": {"image_s": image_s}})
+
+
 def as_toml(study: Study) -> str:
     """Write a study as TOML."""
     return as_toml_text(study.model_dump(mode="json", exclude_none=True))

@@ -1,6 +1,5 @@
 """Raw gaze on a regular grid of time: gaps closed or kept, blinks cut out, degrees for pixels."""
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -10,6 +9,17 @@ from numpy.typing import NDArray
 
 from algorithms.errors import InputError
 from analysis.bootstrap import Matrix
+from experiments.gaze import pixels_per_degree
+
+__all__ = [
+    "COLUMNS",
+    "TRIAL",
+    "Track",
+    "Tracks",
+    "image_coordinates",
+    "pixels_per_degree",
+    "regular_tracks",
+]
 
 TRIAL = ("participant", "session", "trial_index")
 COLUMNS = (*TRIAL, "time_s", "x_px", "y_px", "valid")
@@ -51,26 +61,6 @@ class Tracks:
 
     trials: pd.DataFrame
     tracks: tuple[Track, ...]
-
-
-def pixels_per_degree(width_px: float, width_cm: float, distance_cm: float) -> float:
-    """Return how many pixels one degree of visual angle takes in the middle of a flat screen.
-
-    Parameters
-    ----------
-    width_px, width_cm
-        Of the screen, above 0.
-    distance_cm
-        From the eye to the screen, above 0. Further out a degree takes more: 7 % at 15 degrees.
-
-    Examples
-    --------
-    >>> round(pixels_per_degree(1920, 52, 60), 1)
-    38.7
-    """
-    if min(width_px, width_cm, distance_cm) <= 0:
-        raise InputError("width_px, width_cm, distance_cm: numbers above 0 accepted")
-    return 2 * distance_cm * math.tan(math.radians(0.5)) * width_px / width_cm
 
 
 def image_coordinates(

@@ -54,14 +54,19 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Surround:
-    """What is drawn around every stimulus: the question above, the progress below."""
+    """What is drawn around every stimulus: the question above, the progress below.
+
+    Nothing without a question.
+    """
 
     window: LabWindow
-    question: Drawable
+    question: Drawable | None
     track: Drawable
 
     def parts(self, done: float) -> tuple[Drawable, ...]:
         """Prepare the question and the progress, `done` from 0 to 1, for drawing."""
+        if self.question is None:
+            return ()
         bar = _progress_area(self.window)
         width_px = round(done * bar.width_px)
         if not width_px:
@@ -70,10 +75,10 @@ class Surround:
         return self.question, self.track, self.window.bar(area, _DONE_RGB)
 
 
-def prepare_surround(window: LabWindow, question: str) -> Surround:
+def prepare_surround(window: LabWindow, question: str | None) -> Surround:
     """Return what is drawn around every stimulus."""
     track = window.bar(_progress_area(window), _TRACK_RGB)
-    return Surround(window, heading(window, question), track)
+    return Surround(window, heading(window, question) if question else None, track)
 
 
 def stimulus_area(window: LabWindow) -> Area:
@@ -91,6 +96,7 @@ def present(
     name: str,
     done: float,
     at_onset: Callable[[], None],
+    each_frame: Callable[[], None] = lambda: None,
 ) -> Outcome | None:
     """Show one trial until it is answered, its time is over or Escape is pressed.
 
@@ -107,6 +113,8 @@ def present(
         The share of trials answered so far.
     at_onset
         Called at once when the stimulus' first frame is on the screen.
+    each_frame
+        Called after each later frame.
 
     Returns
     -------
@@ -126,7 +134,7 @@ def present(
     if any(_is_escape(press) for press in window.take_presses()):
         return None  # all other presses before the onset are no answers
     window.announce(name)
-    given = _ask(window, shown, around, onset_s, timing.time_limit_s)
+    given = _ask(window, shown, around, onset_s, timing.time_limit_s, each_frame)
     if given is None:
         return None
     return _outcome(*given, (requested_s, onset_s), window.end_frames())
@@ -144,12 +152,14 @@ def _ask(
     around: Sequence[Drawable],
     onset_s: float,
     time_limit_s: float | None,
+    each_frame: Callable[[], None],
 ) -> tuple[Answer, Press | None] | None:
-    """Show the scenes until there is an answer; return it, or None after Escape."""
+    """Show the scenes to an answer or the end of the last; return it, or None after Escape."""
     scenes = list(shown.asked)
     ends_s = onset_s + scenes[0].duration_s
     while True:
         shown_s = window.show((*scenes[0].parts, *around), lit=True)
+        each_frame()
         for press in window.take_presses():
             if _is_escape(press):
                 return None
@@ -158,7 +168,9 @@ def _ask(
                 return answer, press
         if time_limit_s is not None and shown_s - onset_s >= time_limit_s:
             return None, None
-        if len(scenes) > 1 and shown_s + 1.5 * window.frame_s >= ends_s:
+        if shown_s + 1.5 * window.frame_s >= ends_s:
+            if len(scenes) == 1:
+                return None, None
             scenes.pop(0)
             ends_s += scenes[0].duration_s
 

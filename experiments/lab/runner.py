@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,8 @@ from experiments.answers import response_in
 from experiments.course import Course, course_of
 from experiments.lab import pages
 from experiments.lab.arrival import ask_entrant, check_number, known_entrant
+from experiments.lab.eye_tracker import TrackerConfig
+from experiments.lab.gaze import Gaze, check_tracker, open_gaze
 from experiments.lab.opening import open_window
 from experiments.lab.pages import Page, show_page
 from experiments.lab.pictures import Picture
@@ -43,6 +46,7 @@ def run_lab(
     pilot: bool = False,
     settings: WindowSettings | None = None,
     triggers: TriggerPlan | None = None,
+    eye_tracker: TrackerConfig | None = None,
     announce: Callable[[str], None] = lambda _page: None,
 ) -> Session | None:
     """Run a study with one participant in a PsychoPy window.
@@ -59,7 +63,7 @@ def run_lab(
         where an unfinished session goes on. None: a form in the window asks for them, and for the
         participant.
     folder
-        Where PsychoPy's own CSV and psydat files go.
+        Where PsychoPy's own CSV and psydat files go, and gaze.
     participant, participant_number
         Who (letters, digits, `_` and `-`), and the number, 1 or more, that fixes the order of the
         trials; the store gives those that are None.
@@ -69,6 +73,8 @@ def run_lab(
         The window; None for a full screen.
     triggers
         Which codes go to which port when a stimulus appears and when it is answered.
+    eye_tracker
+        What records gaze during the trials; `free-viewing` cannot do without.
     announce
         Called with the name of each page and trial once it is on the screen (`form`, `consent`,
         `instructions`, `trial 3`, `feedback 3`, `main`, `pause`, `thanks`).
@@ -84,9 +90,10 @@ def run_lab(
         If an argument is not accepted, the participant has finished, or the window is too small
         for the study.
     UnavailableError
-        If PsychoPy or a display is missing, or the port of the triggers.
+        If PsychoPy or a display is missing, the port of the triggers, or the eye tracker.
     """
     check_stimuli(study, stimuli)
+    check_tracker(study, eye_tracker)
     course_of(study, stimuli, Assignment(1))  # a design that the stimuli do not allow is refused
     if triggers is not None:
         check_triggers(triggers, stimuli)
@@ -103,6 +110,7 @@ def run_lab(
         codes = None
         if triggers is not None:
             codes = opened.enter_context(open_triggers(triggers, stimuli, window))
+        gaze = opened.enter_context(open_gaze(eye_tracker, window, folder, store))
         entrant = entrant or ask_entrant(window, study, stimuli, store, participant)
         if entrant is None:
             return None
@@ -127,7 +135,8 @@ def run_lab(
         course = course_of(study, stimuli, assignment_of(session, events), answers)
         if triggers is not None:
             store.add_event(session.id, "triggers", triggers.model_dump(mode="json"))
-        _Run(study, stimuli, store, session, window, view, files, course, codes).to_the_end()
+        gaze.begin(session)
+        _Run(study, stimuli, store, session, window, view, files, course, codes, gaze).to_the_end()
     return store.session(session.id)
 
 
@@ -164,6 +173,7 @@ class _Run:
     files: PsychoPyFiles
     course: Course
     triggers: Triggers | None
+    gaze: Gaze
 
     def to_the_end(self) -> None:
         """Show all that is left of the session, or leave early at the participant's wish."""
@@ -186,7 +196,8 @@ class _Run:
         self._show_or_pause(page, picture)
 
     def _show_trials(self) -> None:
-        surround = prepare_surround(self.window, self.study.question)
+        asks = self.study.task != "free-viewing"  # a text beside the image would draw the eyes
+        surround = prepare_surround(self.window, self.study.question if asks else None)
         before: Trial | None = None
         while (trial := self.course.next) is not None:
             if before is not None and before.phase == "practice" != trial.phase:
@@ -217,11 +228,14 @@ class _Run:
         done = trial.index / self.course.limit
         timing, name = self.study.timing, f"trial {trial.index}"
         while True:
+            self.gaze.start()
             shown = self.view.present(trial)
+            at_onset = partial(self._mark_onset, trial)
             outcome = present(
-                self.window, shown, surround, timing, name, done, lambda: self._mark_onset(trial)
+                self.window, shown, surround, timing, name, done, at_onset, self.gaze.fetch
             )
             if outcome is not None:
+                self.gaze.keep(self.session, trial, self.view.placements(trial), outcome)
                 if self.triggers is not None:
                     self.triggers.answered(trial, outcome.answer)
                 return outcome

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from experiments.designs import arrange
-from experiments.lab.geometry import Area, Size, fit
+from experiments.lab.geometry import Area, Placement, Size, fit
 from experiments.lab.pictures import OUTLINE_RGB, Picture, image_size, load_picture, shown_image
 from experiments.lab.presenter import Presentation, stimulus_area
 from experiments.lab.texts import text
@@ -116,6 +116,14 @@ class TaskView(ABC, Generic[Loaded]):
         InputError
             If they do not fit at the width that the study says.
         """
+
+    def placements(self, trial: Trial) -> list[Placement]:
+        """Return where the images of a trial lie at its onset."""
+        sizes_px = [image_size(self.stimuli, self.stimuli[each]) for each in trial.stimuli]
+        return [
+            Placement(area, *size)
+            for area, size in zip(self.places(sizes_px), sizes_px, strict=True)
+        ]
 
     @abstractmethod
     def present(self, trial: Trial) -> Presentation:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from experiments.lab.free_viewing import FreeViewingView
 from experiments.lab.odd_one_out import OddOneOutView
 from experiments.lab.pick import PickView
 from experiments.lab.ranking import RankingView
@@ -19,6 +20,7 @@ _VIEWS: Mapping[Task, type[TaskView[Any]]] = {
     "yes-no": YesNoView,
     "ranking": RankingView,
     "pick": PickView,
+    "free-viewing": FreeViewingView,
 }
 
 

@@ -146,6 +146,11 @@ class LabWindow:
         self.refresh_hz: float | None = float(measured_hz) if synchronised else None
         self._window.refreshThreshold = _LATE_FRAME * self.frame_s
 
+    @property
+    def psychopy_window(self) -> object:
+        """PsychoPy's own window, for its other parts."""
+        return self._window
+
     def check_screen(self) -> None:
         """Check that the window is on the screen asked for; PsychoPy takes the first if not.
 

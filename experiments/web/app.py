@@ -56,8 +56,8 @@ def create_site(
     Raises
     ------
     InputError
-        If two studies have one name, stimuli do not fit their study or are no PNG images, or the
-        store holds another study of a name and version.
+        If two studies have one name, stimuli do not fit their study or are no PNG images, a study
+        says what the lab alone can do, or the store holds another study of a name and version.
     """
     names = [study.name for study, _ in studies]
     for name in names:
@@ -65,8 +65,7 @@ def create_site(
             raise InputError(f"study: {name} is given twice; each needs a name of its own")
     for study, stimuli in studies:
         check_stimuli(study, stimuli)
-        if study.display != Display():
-            raise InputError("display: given, which the lab alone can do; none accepted on the web")
+        _check_for_browsers(study)
         # A design that the stimuli do not allow is refused.
         course_of(study, stimuli, Assignment(1))
         store.register(study, stimuli)
@@ -90,3 +89,14 @@ def create_site(
     if (bundle / "assets").is_dir():
         app.mount("/assets", StaticFiles(directory=bundle / "assets"))
     return app
+
+
+def _check_for_browsers(study: Study) -> None:
+    """Refuse what the lab alone can do."""
+    if study.display != Display():
+        raise InputError("display: given, which the lab alone can do; none accepted on the web")
+    if study.task == "free-viewing":
+        raise InputError(
+            "task: free-viewing records gaze, which no browser can; it is run in the lab"
+            " (trompe study run-lab)"
+        )

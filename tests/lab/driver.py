@@ -78,6 +78,7 @@ class Sitting:
     demographics: Mapping[str, Any] | None = field(default_factory=lambda: DEMOGRAPHICS)
     settings: Mapping[str, Any] = field(default_factory=dict)
     triggers: Path | None = None
+    tracker: Path | None = None
     observed: Path | None = None
     """Where each frame's colours are written (`tests.lab.observed`)."""
 

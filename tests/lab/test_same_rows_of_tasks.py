@@ -1,6 +1,7 @@
 """Every task with the same trials and answers: simulated, in the lab's window, in a browser."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,10 @@ from playwright.sync_api import Browser, Page
 from scipy import ndimage
 
 from algorithms.images import read_labels
+from analysis import dwell_times, fixations_by_velocity
 from experiments import load_responses
 from experiments.collection import load_collection
+from experiments.gaze import load_gaze
 from experiments.item_observers import ItemObserver
 from experiments.lab.geometry import Area
 from experiments.observers import Observer, simulate_responses
@@ -24,10 +27,17 @@ from experiments.simulation import simulate_in_process
 from experiments.store import Store
 from experiments.study import Study
 from experiments.trials import Answer
+from experiments.viewers import Viewer, simulate_viewing
 from experiments.web import create_app, running_server
 from experiments.web.pages import BUNDLE
 from stimuli.manifest import StimulusSet
-from tests.comparison_studies import ITEMS, as_toml, comparison_study, pick_study
+from tests.comparison_studies import (
+    ITEMS,
+    as_toml,
+    comparison_study,
+    pick_study,
+    viewing_study,
+)
 from tests.conftest import require
 from tests.drawn_set import HEIGHT_PX, WIDTH_PX, draw_set
 from tests.lab.driver import (
@@ -52,7 +62,15 @@ TIMINGS = {
     "ranking": BRIEF,
     "active-pairs": BRIEF,
     "pick": BRIEF,
+    "free-viewing": BRIEF | {"image_s": 0.8},
 }
+LAB_ONLY = ("free-viewing",)
+# The mouse stands for the eyes while objects are picked, and while images are looked at.
+TRACKED = ("pick", "free-viewing")
+TRACKER = """
+["eyetracker.hw.mouse.EyeTracker"]
+runtime_settings = { sampling_rate = 100 }
+"""
 PICKS = (1, 2)
 ACTIVE: dict[str, Any] = {"kind": "active-pairs", "active_pairs": {"trials": 6}}
 
@@ -71,6 +89,8 @@ def studies(study: Study) -> list[Study]:
         changes: dict[str, Any] = {"name": name, "timing": timing, "demographics": [], "screen": {}}
         if name == "pick":
             asked = pick_study(study, PICKS)
+        elif name == "free-viewing":
+            asked = viewing_study(study, timing["image_s"])
         else:
             task: Any = "two-alternative" if name in ("in-turn", "active-pairs") else name
             design = ACTIVE if name == "active-pairs" else {}
@@ -87,13 +107,15 @@ def simulated(
     """What one simulated participant answers, by study."""
     data = tmp_path_factory.mktemp("simulated") / "rows.sqlite"
     observer = ItemObserver(dict.fromkeys(ITEMS, 0.0))
-    compared = [study for study in studies if study.task != "pick"]
+    compared = [study for study in studies if study.name not in TRACKED]
+    pick, viewing = (study for study in studies if study.name in TRACKED)
+    generator = np.random.default_rng(7)
     with Store.open(data) as store:
         for study in compared:
             simulate_in_process(study, few, store, observer, 1, np.random.default_rng(2))
-    rows = {study.name: load_responses(data, study.name) for study in compared}
-    generator = np.random.default_rng(7)
-    rows["pick"] = simulate_responses(studies[-1], few, Observer(90, 30), 1, generator)
+        simulate_viewing(viewing, few, store, Viewer(), 1, generator, data.parent)
+    rows = {study.name: load_responses(data, study.name) for study in [*compared, viewing]}
+    rows["pick"] = simulate_responses(pick, few, Observer(90, 30), 1, np.random.default_rng(7))
     assert set(rows["pick"]["answer"].map(len)) == set(PICKS)
     return rows
 
@@ -104,17 +126,23 @@ def in_window(
     studies: list[Study],
     few: StimulusSet,
     simulated: Mapping[str, pd.DataFrame],
+    monitors: Path,
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Path:
     """The store of the lab's window after the same answers."""
     folder = tmp_path_factory.mktemp("window")
+    (folder / "tracker.toml").write_text(TRACKER, encoding="utf-8")
     sittings = []
     for study in studies:
         file = folder / f"{study.name}.toml"
         file.write_text(as_toml(study), encoding="utf-8")
         store = folder / "rows.sqlite"
-        sittings.append(Sitting(file, few.folder, store, folder / study.name, demographics={}))
-    with start(display, *sittings) as lab:
+        sitting = Sitting(file, few.folder, store, folder / study.name, demographics={})
+        if study.name in TRACKED:
+            settings = {"monitor": "lab"}
+            sitting = replace(sitting, tracker=folder / "tracker.toml", settings=settings)
+        sittings.append(sitting)
+    with start(display, *sittings, home=monitors) as lab:
         for study in studies:
             answers = dict(enumerate(simulated[study.name]["answer"]))
             take_in_window(display, lab, study, answers, read_labels(few.path("regions.png")))
@@ -135,7 +163,9 @@ def take_in_window(
             display.press("Return")
             continue
         index, answer = int(number), answers[int(number)]
-        if study.task == "pick" and isinstance(answer, tuple):
+        if study.task == "free-viewing":
+            display.do("mousemove", *map(str, point_of(display, regions, looked_at(index))))
+        elif study.task == "pick" and isinstance(answer, tuple):
             pick_in_window(display, answer, regions, by_mouse=index % 2 == 1)
         elif isinstance(answer, tuple):
             rank_in_window(display, answer, by_mouse=index % 2 == 1)
@@ -187,11 +217,21 @@ def pick_in_window(
             display.press(str(label))
         display.press("Return")
         return
+    for label in reversed(labels):
+        display.click(*point_of(display, regions, label))
+    display.click(640, 712)  # the button below the image
+
+
+def point_of(display: Display, regions: NDArray[np.uint8], label: int) -> tuple[int, int]:
+    """Return a point of the screen in the middle of an object of the only image."""
     ((x, y),) = middles(display.screenshot())
     area = Area(x - WIDTH_PX // 2, y - HEIGHT_PX // 2, WIDTH_PX, HEIGHT_PX)
-    for label in reversed(labels):
-        display.click(*point_in(regions, label, area))
-    display.click(640, 712)  # the button below the image
+    return point_in(regions, label, area)
+
+
+def looked_at(index: int) -> int:
+    """Return the object that the mouse, for the eyes, goes to in a trial."""
+    return index + 2
 
 
 def steps_to(ranks: tuple[int, ...]) -> Iterator[tuple[int, int]]:
@@ -216,6 +256,8 @@ def in_browser(
     data = tmp_path_factory.mktemp("browser") / "rows.sqlite"
     with Store.open(data) as store, open_chromium(chromium) as browser:
         for study in studies:
+            if study.name in LAB_ONLY:
+                continue
             answers = dict(enumerate(simulated[study.name]["answer"]))
             with running_server(create_app(study, few, store)) as url:
                 take_in_browser(browser, f"{url}/s/{study.name}/", study, few, answers)
@@ -295,13 +337,17 @@ def test_rows_agree_in_all_but_time_device_and_runner(
 ) -> None:
     different = [*TIMING_COLUMNS, *DEVICE_COLUMNS, "simulated"]
     expected = simulated[name].drop(columns=different)
-    assert len(set(expected["answer"].astype(str))) > 1
+    asked = name != "free-viewing"
+    assert len(set(expected["answer"].astype(str))) > 1 or not asked
     for store, runner in ((in_window, "lab"), (in_browser, "web")):
+        if runner == "web" and name in LAB_ONLY:
+            continue
         rows = load_responses(store, name)
         pd.testing.assert_frame_equal(rows.drop(columns=different), expected)
         assert set(rows["runner"]) == {runner}
         assert not rows["simulated"].any()
-        assert (rows["reaction_time_s"] >= 0).all()
+        assert rows["reaction_time_s"].isna().all() or (rows["reaction_time_s"] >= 0).all()
+        assert rows["reaction_time_s"].notna().all() == asked
         if name in ("two-alternative", "ranking", "pick") and runner == "lab":
             assert set(rows["input"]) == {"keyboard"} | ({"mouse"} if name != "ranking" else set())
 
@@ -318,3 +364,26 @@ def test_decisions_of_an_adaptive_design_agree_and_are_replayed(
         logged.append([e.detail for e in held.events if e.kind in (POOL, DECISION, ESTIMATES)])
     assert logged[0] == logged[1]
     assert len(logged[0]) == 8
+
+
+def test_gaze_is_kept_trial_by_trial_on_the_image(few: StimulusSet, in_window: Path) -> None:
+    """The mouse rests on another object in each trial: there the tracker must have seen it."""
+    regions = {each.id: read_labels(few.path("regions.png")) for each in few.stimuli}
+    with Store.open(in_window, must_exist=True) as store:
+        events = {name: store.events(study=name) for name in TRACKED}
+    for name in TRACKED:
+        gaze, degree_px = load_gaze(events[name])
+        trials = gaze.groupby("trial_index")["stimulus"].first().reset_index()
+        assert len(trials) == 6
+        assert gaze["valid"].all()
+        assert (gaze["time_s"] >= 0).all()
+        degrees = list(degree_px.values())
+        assert degrees == pytest.approx([25.3] * 6, abs=0.1)  # 1280 px on 53 cm, seen from 60 cm
+        if name == "free-viewing":
+            durations_s = gaze.groupby("trial_index")["time_s"].max()
+            assert durations_s.between(0.7, 0.85).all()
+            fixations = fixations_by_velocity(gaze, degrees[0])
+            known = trials.assign(participant="P0001", session="free-viewing.P0001.1")
+            dwell = dwell_times(fixations, known, regions)
+            longest = dwell.loc[dwell.groupby("trial_index")["dwell_s"].idxmax(), "region"]
+            assert longest.tolist() == [looked_at(index) for index in range(6)]

@@ -11,6 +11,7 @@ from typing import Any
 
 from algorithms.errors import UserError
 from experiments.lab import opening
+from experiments.lab.eye_tracker import read_tracker
 from experiments.lab.photodiode import Photodiode
 from experiments.lab.runner import run_lab
 from experiments.lab.triggers import load_triggers
@@ -49,6 +50,7 @@ def _run(given: dict[str, Any]) -> str:
             participant_number=given["participant_number"],
             settings=WindowSettings(**settings),
             triggers=load_triggers(Path(given["triggers"])) if given["triggers"] else None,
+            eye_tracker=read_tracker(Path(given["tracker"])) if given["tracker"] else None,
             announce=lambda page: print(page, flush=True),  # noqa: T201
         )
     return "completed" if session and session.completed_at else "left"
