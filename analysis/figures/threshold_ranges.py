@@ -54,13 +54,16 @@ def draw_chance_limits(axes: Axes, groups: Sequence[GroupThreshold]) -> Axes:
 
 
 def threshold_figure(analysis: OddOneOutAnalysis) -> Figure:
-    """Return both kinds of threshold of all groups, each kind in a panel of its own."""
+    """Return the kinds of threshold that are told of all groups, each in a panel of its own."""
     groups = analysis.thresholds
-    figure, (left, right) = new_figure(2, analysis.simulated, height=1.8 + 0.26 * len(groups))
+    told = analysis.overall.at_chance is not None
+    height = 1.8 + 0.26 * len(groups)
+    figure, (left, *right) = new_figure(1 + told, analysis.simulated, height=height)
     draw_mid_points(left, groups).set_title("Mid-point of the function")
-    draw_chance_limits(right, groups).set_title("Largest level at chance")
+    for axes in right:
+        draw_chance_limits(axes, groups).set_title("Largest level at chance")
     levels = np.array(analysis.overall.fit.levels)
-    for axes in (left, right):
+    for axes in (left, *right):
         axes.set_xlim(min(0.0, levels.min()), levels.max() + 2)
         axes.set_xlabel(level_label(analysis.study))
         legend_below(axes, columns=2)

@@ -7,6 +7,7 @@ from analysis.naming import level_name
 from analysis.rates.effect_sentences import dependence_sentence, difference_sentences
 from analysis.report.tasks.odd_one_out import OddOneOutAnalysis
 from analysis.thresholds.by_condition import GroupThreshold
+from analysis.thresholds.chance import ChanceLimit
 
 
 def verdict(analysis: OddOneOutAnalysis) -> list[str]:
@@ -27,7 +28,8 @@ def verdict(analysis: OddOneOutAnalysis) -> list[str]:
         sentences.append(f"By {condition} that mid-point is: {values}.")
     for each in analysis.differences:
         sentences += difference_sentences(each, unit)
-    sentences.append(_chance(analysis.overall, unit))
+    if analysis.overall.at_chance is not None:
+        sentences.append(_chance(analysis.overall.at_chance, unit))
     sentences += [
         dependence_sentence(effects, {"level": name})
         for effects in (analysis.hit_effects, analysis.time_effects)
@@ -86,8 +88,7 @@ def _over_participants(group: GroupThreshold, unit: str) -> str:
     )
 
 
-def _chance(group: GroupThreshold, unit: str) -> str:
-    limit = group.at_chance
+def _chance(limit: ChanceLimit, unit: str) -> str:
     how = f"{limit.test} test, one-sided, alpha {limit.alpha:g}, {limit.n} answers in all"
     if math.isnan(limit.level):
         return (

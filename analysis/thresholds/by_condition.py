@@ -31,13 +31,13 @@ class GroupThreshold:
         Its value with the interval that allows for differing participants.
     at_chance, at_chance_by_participant
         The largest level not distinguishable from chance: over answers, and (for two participants
-        or more) over participants.
+        or more) over participants; None where the answers chose the levels.
     """
 
     conditions: Mapping[str, str]
     fit: ThresholdFit
     over_participants: Estimate
-    at_chance: ChanceLimit
+    at_chance: ChanceLimit | None
     at_chance_by_participant: ChanceLimit | None
 
     @property
@@ -47,22 +47,27 @@ class GroupThreshold:
 
     def row(self) -> dict[str, object]:
         """Return the row of a table of thresholds."""
-        by_participant = self.at_chance_by_participant
         return {
             "group": self.label,
             **self.conditions,
             **self.fit.row(),
             "threshold_low_over_participants": self.over_participants.low,
             "threshold_high_over_participants": self.over_participants.high,
-            "largest_level_at_chance": self.at_chance.level,
-            "largest_level_at_chance_by_participant": (
-                by_participant.level if by_participant is not None else None
-            ),
+            "largest_level_at_chance": _level(self.at_chance),
+            "largest_level_at_chance_by_participant": _level(self.at_chance_by_participant),
         }
 
 
+def _level(limit: ChanceLimit | None) -> float | None:
+    return None if limit is None else limit.level
+
+
 def group_thresholds(
-    table: pd.DataFrame, conditions: Sequence[str], guess_rate: float
+    table: pd.DataFrame,
+    conditions: Sequence[str],
+    guess_rate: float,
+    *,
+    levels_fixed: bool = True,
 ) -> tuple[GroupThreshold, ...]:
     """Compute the thresholds of all trials, of each condition, and of the conditions crossed.
 
@@ -74,6 +79,10 @@ def group_thresholds(
         The factors that split the analysis.
     guess_rate
         The share of right answers by chance.
+    levels_fixed
+        Whether the design, not the answers, chose the levels. The mid-point is told either way,
+        as the likelihood of answers does not depend on why a level was shown; rates at a level
+        are no estimates where those who erred there were led away from it or back.
 
     Raises
     ------
@@ -85,7 +94,7 @@ def group_thresholds(
     if scored["level"].nunique() < 2:
         raise InputError("nothing to analyse yet: right or wrong answers at fewer than two levels")
     return tuple(
-        _threshold_of(labels, trials, guess_rate)
+        _threshold_of(labels, trials, guess_rate, levels_fixed=levels_fixed)
         for labels, trials in _groups(scored, conditions)
         if trials["level"].nunique() >= 2
     )
@@ -113,7 +122,7 @@ def _groups(
 
 
 def _threshold_of(
-    conditions: Mapping[str, str], trials: pd.DataFrame, guess_rate: float
+    conditions: Mapping[str, str], trials: pd.DataFrame, guess_rate: float, *, levels_fixed: bool
 ) -> GroupThreshold:
     sums = sum_by_participant(trials, "correct", ["level"])
     levels = sums.cells["level"].to_numpy()
@@ -122,10 +131,14 @@ def _threshold_of(
         conditions=conditions,
         fit=fit,
         over_participants=participant_interval(fit, sums.totals, sums.counts),
-        at_chance=largest_level_at_chance(levels, fit.correct, fit.total, guess_rate),
+        at_chance=(
+            largest_level_at_chance(levels, fit.correct, fit.total, guess_rate)
+            if levels_fixed
+            else None
+        ),
         at_chance_by_participant=(
             largest_level_at_chance_by_participant(levels, sums.totals, sums.counts, guess_rate)
-            if len(sums.totals) > 1
+            if levels_fixed and len(sums.totals) > 1
             else None
         ),
     )

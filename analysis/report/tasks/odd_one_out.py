@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Final, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Result = TypeVar("Result")
+
+_ADAPTIVE: Final = (
+    "the design is adaptive, so the answers chose the levels and hit rates are not tested"
+)
 
 
 @dataclass(frozen=True)
@@ -97,17 +101,16 @@ class OddOneOutAnalysis(StudyAnalysis):
         """Return the tables that are written beside a report, by name."""
         tables = {
             "thresholds": pd.DataFrame([group.row() for group in self.thresholds]),
-            "chance": pd.concat(
-                [
-                    limit.to_frame().assign(group=group.label)
-                    for group in self.thresholds
-                    for limit in (group.at_chance, group.at_chance_by_participant)
-                    if limit is not None
-                ],
-                ignore_index=True,
-            ),
             "hit-rates": self.hits[-1].to_frame(),
         }
+        limits = [
+            limit.to_frame().assign(group=group.label)
+            for group in self.thresholds
+            for limit in (group.at_chance, group.at_chance_by_participant)
+            if limit is not None
+        ]
+        if limits:
+            tables["chance"] = pd.concat(limits, ignore_index=True)
         if self.salience is not None:
             tables["salience"] = self.salience.to_frame()
             tables["salience-fall"] = self.salience.fall
@@ -157,6 +160,9 @@ def analyse(collected: Collected) -> OddOneOutAnalysis:
             not_told[name] = str(error)
             return None
 
+    adaptive = study.design.is_adaptive
+    if adaptive:
+        not_told |= {"largest level at chance": _ADAPTIVE, "effects on the hit rate": _ADAPTIVE}
     factors = ["level", *conditions, *said]
     differences = [
         attempt(
@@ -167,7 +173,7 @@ def analyse(collected: Collected) -> OddOneOutAnalysis:
     ]
     return OddOneOutAnalysis(
         **vars(collected),
-        thresholds=group_thresholds(table, conditions, guess_rate),
+        thresholds=group_thresholds(table, conditions, guess_rate, levels_fixed=not adaptive),
         hits=tuple(
             hit_rates(table, ("level", *names), guess_rate, for_hits)
             for names in condition_splits(conditions)
@@ -175,7 +181,9 @@ def analyse(collected: Collected) -> OddOneOutAnalysis:
         salience=object_salience(table, objects, split, for_salience) if has_controls else None,
         times=answer_times(table, ("level", *split), for_times) if has_times else None,
         differences=tuple(each for each in differences if each is not None),
-        hit_effects=attempt("hit rate", lambda: hit_effects(known, factors)),
+        hit_effects=(
+            None if adaptive else attempt("hit rate", lambda: hit_effects(known, factors))
+        ),
         time_effects=attempt("time per answer", lambda: time_effects(known, factors)),
         not_told=not_told,
     )
