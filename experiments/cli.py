@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -23,6 +23,7 @@ from stimuli.manifest import StimulusSet
 from stimuli.manifest import load as load_stimuli
 
 if TYPE_CHECKING:
+    from experiments.lab.progress import Status
     from experiments.simulation import AnyObserver
     from experiments.viewers import Viewer
 
@@ -262,6 +263,9 @@ def run_lab(
     eye_tracker: Annotated[
         Path | None, typer.Option(help="A TOML file with ioHub's settings of an eye tracker.")
     ] = None,
+    experimenter_screen: Annotated[
+        int | None, typer.Option(min=0, help="Show there how far the participant is.")
+    ] = None,
     pilot: Pilot = False,
 ) -> None:
     """Run a study with one participant in a PsychoPy window on this machine.
@@ -275,12 +279,14 @@ def run_lab(
     from experiments.lab.window import WindowSettings
     from experiments.store import Store
 
+    if experimenter_screen == screen and window is None:
+        raise InputError(f"experimenter_screen: {screen} given, another one than --screen accepted")
     loaded = load_study(study)
     stimulus_set = _verified(loaded, stimuli)
     options = {"age": age, "gender": gender, "artistic_background": artistic_background}
     square = Photodiode(photodiode, photodiode_size) if photodiode else None
     said = {key: value for key, value in options.items() if value is not None}
-    with Store.open(data) as store:
+    with Store.open(data) as store, _watching(experimenter_screen) as watch:
         session = runner.run_lab(
             loaded,
             stimulus_set,
@@ -293,7 +299,7 @@ def run_lab(
             settings=WindowSettings(window is None, window, screen, monitor, square),
             triggers=load_triggers(triggers) if triggers else None,
             eye_tracker=read_tracker(eye_tracker) if eye_tracker else None,
-            announce=typer.echo,
+            watch=watch,
         )
     if session is None:
         typer.echo("nobody agreed to take part, nothing stored")
@@ -302,6 +308,22 @@ def run_lab(
             "left early; the same command goes on" if session.completed_at is None else "completed"
         )
         typer.echo(f"session {session.id}: {ended}")
+
+
+@contextmanager
+def _watching(screen: int | None) -> Iterator[Callable[["Status"], None]]:
+    """Yield what prints how far a sitting in the lab is, and shows it on that screen, too."""
+    from experiments.lab.experimenter import experimenter_window
+
+    with ExitStack() as opened:
+        show = None if screen is None else opened.enter_context(experimenter_window(screen))
+
+        def watch(status: "Status") -> None:
+            typer.echo(" | ".join(status.lines()))
+            if show is not None:
+                show(status)
+
+        yield watch
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,14 @@ from algorithms.files import make_folder
 from experiments.answers import response_in
 from experiments.course import Course, course_of
 from experiments.lab import pages
-from experiments.lab.arrival import ask_entrant, check_number, known_entrant
+from experiments.lab.arrival import Entrant, ask_entrant, check_number, known_entrant
 from experiments.lab.eye_tracker import TrackerConfig
 from experiments.lab.gaze import Gaze, check_tracker, open_gaze
 from experiments.lab.opening import open_window
 from experiments.lab.pages import Page, show_page
 from experiments.lab.pictures import Picture
 from experiments.lab.presenter import Outcome, Surround, prepare_surround, present
+from experiments.lab.progress import Progress, Status
 from experiments.lab.psychopy_files import PsychoPyFiles
 from experiments.lab.task_view import TaskView
 from experiments.lab.tasks import view_of
@@ -47,7 +48,7 @@ def run_lab(
     settings: WindowSettings | None = None,
     triggers: TriggerPlan | None = None,
     eye_tracker: TrackerConfig | None = None,
-    announce: Callable[[str], None] = lambda _page: None,
+    watch: Callable[[Status], None] = lambda _status: None,
 ) -> Session | None:
     """Run a study with one participant in a PsychoPy window.
 
@@ -75,8 +76,8 @@ def run_lab(
         Which codes go to which port when a stimulus appears and when it is answered.
     eye_tracker
         What records gaze during the trials; `free-viewing` cannot do without.
-    announce
-        Called with the name of each page and trial once it is on the screen (`form`, `consent`,
+    watch
+        Told how far the sitting is, once a page or trial is on the screen (`form`, `consent`,
         `instructions`, `trial 3`, `feedback 3`, `main`, `pause`, `thanks`).
 
     Returns
@@ -103,7 +104,8 @@ def run_lab(
     make_folder(folder)
     store.register(study, stimuli)
     with ExitStack() as opened:
-        window = opened.enter_context(open_window(settings or WindowSettings(), announce))
+        progress = Progress(watch)
+        window = opened.enter_context(open_window(settings or WindowSettings(), progress.announce))
         _check_size(study, window)
         view = view_of(window, study, stimuli)
         view.check_fit()
@@ -114,20 +116,9 @@ def run_lab(
         entrant = entrant or ask_entrant(window, study, stimuli, store, participant)
         if entrant is None:
             return None
-        if entrant.earlier is not None:
-            session = _taken_up(store, entrant.earlier, window)
-        elif show_page(window, pages.consent_page(study), ("enter", "escape")) == "enter":
-            new = NewSession(
-                runner="lab",
-                device=window.device,
-                demographics=entrant.demographics,
-                screen=window.screen,
-                pilot=pilot,
-                participant=entrant.participant,
-                participant_number=participant_number,
-            )
-            session, _ = store.begin_session(study, stimuli, new)
-        else:
+        new = partial(NewSession, runner="lab", pilot=pilot, participant_number=participant_number)
+        session = _begin(study, stimuli, store, window, entrant, new)
+        if session is None:
             return None
         files = PsychoPyFiles(folder, study, session, window.refresh_hz)
         events = store.events(session=session.id, kind=POOL)
@@ -136,7 +127,10 @@ def run_lab(
         if triggers is not None:
             store.add_event(session.id, "triggers", triggers.model_dump(mode="json"))
         gaze.begin(session)
-        _Run(study, stimuli, store, session, window, view, files, course, codes, gaze).to_the_end()
+        progress.begin(session.participant, len(answers), course.limit)
+        _Run(
+            study, stimuli, store, session, window, view, files, course, codes, gaze, progress
+        ).to_the_end()
     return store.session(session.id)
 
 
@@ -147,6 +141,29 @@ def _check_size(study: Study, window: LabWindow) -> None:
             f"screen: the window is {window.width_px} x {window.height_px} pixels,"
             f" {study.name} needs {least[0]} x {least[1]}"
         )
+
+
+def _begin(
+    study: Study,
+    stimuli: StimulusSet,
+    store: Store,
+    window: LabWindow,
+    entrant: Entrant,
+    new: Callable[..., NewSession],
+) -> Session | None:
+    """Go on with the session that was left, or begin one if the participant agrees to take part."""
+    if entrant.earlier is not None:
+        return _taken_up(store, entrant.earlier, window)
+    if show_page(window, pages.consent_page(study), ("enter", "escape")) == "escape":
+        return None
+    details = new(
+        device=window.device,
+        screen=window.screen,
+        demographics=entrant.demographics,
+        participant=entrant.participant,
+    )
+    session, _ = store.begin_session(study, stimuli, details)
+    return session
 
 
 def _taken_up(store: Store, session: Session, window: LabWindow) -> Session:
@@ -174,16 +191,21 @@ class _Run:
     course: Course
     triggers: Triggers | None
     gaze: Gaze
+    progress: Progress
 
     def to_the_end(self) -> None:
         """Show all that is left of the session, or leave early at the participant's wish."""
-        self._load()
         try:
+            self._load()
             if self.course.next is not None:
                 self._explain()
             self._show_trials()
         except _Left:
             return
+        except BaseException as error:
+            detail = {"error": f"{type(error).__name__}: {error}"}
+            self.store.add_event(self.session.id, "failure", detail)
+            raise
         code = self.store.complete(self.session.id, self.course.estimates())
         show_page(self.window, pages.thanks_page(self.study, code))
 
@@ -204,8 +226,13 @@ class _Run:
                 left = self.course.limit - trial.index
                 self._show_or_pause(pages.main_page(self.study, left))
             outcome = self._present(trial, surround)
-            self._record(trial, outcome)
+            try:
+                self._mark_answer(trial, outcome.answer)
+                self.gaze.keep(self.session, trial, self.view.placements(trial), outcome)
+            finally:  # a device that fails costs no answer
+                self._record(trial, outcome)
             self.course.take(trial.index, outcome.answer)
+            self.progress.answered(outcome.measured, self.course.limit)
             if trial.feedback:
                 self._give_feedback(trial, outcome.answer)
             before = trial
@@ -235,11 +262,12 @@ class _Run:
                 self.window, shown, surround, timing, name, done, at_onset, self.gaze.fetch
             )
             if outcome is not None:
-                self.gaze.keep(self.session, trial, self.view.placements(trial), outcome)
-                if self.triggers is not None:
-                    self.triggers.answered(trial, outcome.answer)
                 return outcome
             self._pause(name)
+
+    def _mark_answer(self, trial: Trial, answer: Answer) -> None:
+        if self.triggers is not None:
+            self.triggers.answered(trial, answer)
 
     def _mark_onset(self, trial: Trial) -> None:
         if self.triggers is not None:

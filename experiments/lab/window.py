@@ -46,6 +46,8 @@ class WindowSettings:
         correct them twice.
     photodiode
         The square that is white while a stimulus is shown, or None.
+    title
+        What the window is called.
     """
 
     fullscreen: bool = True
@@ -53,6 +55,7 @@ class WindowSettings:
     screen: int = 0
     monitor: str | None = None
     photodiode: Photodiode | None = None
+    title: str = "Trompe"
 
     def __post_init__(self) -> None:
         if self.size_px is not None and min(self.size_px) < 1:
@@ -134,7 +137,7 @@ class LabWindow:
             units="pix",
             allowGUI=True,
             checkTiming=False,
-            title="Trompe",
+            title=settings.title,
         )
         self._next_frame_s = 0.0
         self.announce = announce

@@ -19,6 +19,7 @@ from PIL import ImageGrab
 
 from experiments.lab.geometry import Area
 from tests.conftest import require
+from tests.lab.x11 import ask_to_close
 
 ROOT = Path(__file__).parents[2]
 DEMOGRAPHICS = {"age": 30, "gender": "undisclosed", "artistic_background": False}
@@ -42,6 +43,18 @@ class Display:
     def click(self, x_px: int, y_px: int) -> None:
         self.do("mousemove", str(x_px), str(y_px), "click", "1")
 
+    def close(self, title: str) -> None:
+        """Ask a window to close, as a window manager does."""
+        found = subprocess.run(
+            ["xdotool", "search", "--name", title],
+            env=os.environ | {"DISPLAY": self.name},
+            check=True,
+            capture_output=True,
+            text=True,
+        )
+        (window,) = found.stdout.split()
+        ask_to_close(self.name, int(window))
+
     def screenshot(self) -> NDArray[np.uint8]:
         return np.array(ImageGrab.grab(xdisplay=self.name).convert("RGB"))
 
@@ -53,7 +66,10 @@ def open_display(width_px: int = 1280, height_px: int = 800) -> Iterator[Display
     require(shutil.which("xdotool"), "needs xdotool (apt install xdotool)")
     reading, writing = os.pipe()
     with subprocess.Popen(
-        ["Xvfb", "-displayfd", str(writing), "-screen", "0", f"{width_px}x{height_px}x24"],
+        [
+            *("Xvfb", "-noreset", "-displayfd", str(writing)),
+            *("-screen", "0", f"{width_px}x{height_px}x24"),
+        ],
         pass_fds=[writing],
         stderr=subprocess.DEVNULL,
     ) as server:
@@ -79,6 +95,7 @@ class Sitting:
     settings: Mapping[str, Any] = field(default_factory=dict)
     triggers: Path | None = None
     tracker: Path | None = None
+    experimenter_screen: int | None = None
     observed: Path | None = None
     """Where each frame's colours are written (`tests.lab.observed`)."""
 

@@ -1,6 +1,7 @@
 """What may happen in a sitting: leaving, coming back, dying, refusing, clicking at a border."""
 
 import math
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -25,14 +26,18 @@ def answers_in(store: Path) -> dict[int, int]:
     return dict(zip(rows["trial_index"], rows["answer"], strict=True))
 
 
-def test_a_session_goes_on_after_leaving_and_after_being_killed(
-    display: Display, sitting: Sitting, regions: NDArray[np.uint8], answers: Mapping[int, int]
+def test_a_session_goes_on_after_leaving_failing_and_being_killed(
+    display: Display,
+    sitting: Sitting,
+    regions: NDArray[np.uint8],
+    answers: Mapping[int, int],
+    tmp_path: Path,
 ) -> None:
-    """Three sittings of one session: every answer is stored once, none is asked for twice."""
+    """Four sittings of one session: every answer is stored once, none is asked for twice."""
     with start(display, sitting) as lab:
         some = {index: answers[index] for index in (0, 1)}
         assert take_study(display, lab, regions, some)[-1] == "trial 2"
-        display.press("Escape")
+        display.close("^Trompe$")  # as a window manager does
         assert lab.next_page() == "pause"
         display.press("Return")
         assert lab.next_page() == "trial 2"
@@ -42,13 +47,26 @@ def test_a_session_goes_on_after_leaving_and_after_being_killed(
         assert lab.next_page() == "left"
     assert answers_in(sitting.store) == some
 
+    device, line = os.openpty()
+    triggers = tmp_path / "triggers.toml"
+    port = f'[port]\nkind = "serial"\naddress = "{os.ttyname(line)}"\n'
+    triggers.write_text(f"{port}[[answer]]\ncode = 1\n", encoding="utf-8")
+    with start(display, replace(sitting, triggers=triggers)) as lab:
+        pages = take_study(display, lab, regions, {2: answers[2]})
+        assert pages == ["instructions", "trial 2", "feedback 2", "main", "trial 3"]
+        os.close(line)
+        os.close(device)  # the device is gone
+        display.press(str(answers[3]))
+        assert lab.exit_code() == 2
+        assert lab.error().splitlines()[-1].startswith("port.address: /dev/")
+    more = {index: answers[index] for index in range(4)}
+    assert answers_in(sitting.store) == more
+
     with start(display, sitting) as lab:
-        more = {index: answers[index] for index in (2, 3)}
-        pages = take_study(display, lab, regions, more)
-        assert pages == ["instructions", "trial 2", "feedback 2", "main", "trial 3", "trial 4"]
+        assert take_study(display, lab, regions, {}) == ["instructions", "trial 4"]
         lab.kill()
         assert lab.exit_code() != 0
-    assert answers_in(sitting.store) == some | more
+    assert answers_in(sitting.store) == more
 
     with start(display, sitting) as lab:
         pages = take_study(display, lab, regions, answers)
@@ -56,7 +74,8 @@ def test_a_session_goes_on_after_leaving_and_after_being_killed(
     assert answers_in(sitting.store) == answers
     with Store.open(sitting.store, must_exist=True) as store:
         kinds = [event.kind for event in store.events()]
-    assert kinds == ["pause", "continue", "pause", "leave", "resume", "resume"]
+    left = ["pause", "continue", "pause", "leave"]
+    assert kinds == [*left, "resume", "triggers", "failure", "resume", "resume"]
     tables = [pd.read_csv(path) for path in sorted(sitting.folder.glob("*.csv"))]
     assert [len(table) for table in tables] == [2, 2, 3]
 

@@ -6,13 +6,16 @@ standard output, so that a test knows when to act.
 
 import json
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 from algorithms.errors import UserError
 from experiments.lab import opening
+from experiments.lab.experimenter import experimenter_window
 from experiments.lab.eye_tracker import read_tracker
 from experiments.lab.photodiode import Photodiode
+from experiments.lab.progress import Status
 from experiments.lab.runner import run_lab
 from experiments.lab.triggers import load_triggers
 from experiments.lab.window import WindowSettings
@@ -39,7 +42,15 @@ def _run(given: dict[str, Any]) -> str:
         settings["photodiode"] = Photodiode(**settings["photodiode"])
     if given["observed"] is not None:
         vars(opening)["LabWindow"] = observed_window(Path(given["observed"]))
-    with Store.open(given["store"]) as store:
+    with Store.open(given["store"]) as store, ExitStack() as opened:
+        screen = given["experimenter_screen"]
+        show = None if screen is None else opened.enter_context(experimenter_window(screen))
+
+        def watch(status: Status) -> None:
+            if show is not None:
+                show(status)
+            print(status.page, flush=True)  # noqa: T201
+
         session = run_lab(
             load_study(given["study"]),
             load(given["stimuli"]),
@@ -51,7 +62,7 @@ def _run(given: dict[str, Any]) -> str:
             settings=WindowSettings(**settings),
             triggers=load_triggers(Path(given["triggers"])) if given["triggers"] else None,
             eye_tracker=read_tracker(Path(given["tracker"])) if given["tracker"] else None,
-            announce=lambda page: print(page, flush=True),  # noqa: T201
+            watch=watch,
         )
     return "completed" if session and session.completed_at else "left"
 
