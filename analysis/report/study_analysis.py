@@ -143,6 +143,7 @@ _MODULES: Final[Mapping[Task, str]] = {
     "two-alternative": "two_alternative",
     "ranking": "ranking",
     "yes-no": "yes_no",
+    "pick": "pick",
 }
 
 
