@@ -21,16 +21,14 @@ WEAKEST: Final = 0.15
 """A light weaker than this, as a share of the strongest, counts as ambient."""
 
 MOST_LIGHTS: Final = 4
-LEAST_GAIN: Final = 0.11
-"""By which share of the loss each light after the first must lower it: about what an information
-criterion asks for where some 60 residuals are independent, as they are on renders by their
-autocorrelation. The guessed shape makes neighbours wrong alike."""
-
 _HOPELESS: Final = 0.05
 _LEAST_GAIN_OF_DISTANCE: Final = 0.2
 _OUTLYING: Final = 0.03
 # No better than this is expected of a guessed shape, as a share of the variance.
-_FLOOR: Final = 0.01
+_FLOOR: Final = 0.02
+_CONTOUR_SHARE: Final = 0.5
+_LEAST_GAIN: Final = 0.07
+_LEAST_GAIN_FROM_FRONT: Final = 0.09
 
 
 def fit_lights(shading: Shading) -> Sources:
@@ -43,20 +41,22 @@ def fit_lights(shading: Shading) -> Sources:
 
     Returns
     -------
-    1 to 4 lights: another one is accepted where it lowers the loss by `LEAST_GAIN`, and two more
+    1 to 4 lights: another one is accepted where it lowers the loss by `least_gain`, and two more
     where they do so on average, as three evenly spread lights may look like one and ambient light.
     """
     last = best = Sources.directional(np.zeros((0, 3)))
-    worth = most_worth = 0.0
+    worth = most_worth = needed = 0.0
     for count in range(1, MOST_LIGHTS + 1):
         fits = [refine(shading, start) for start in starting_points(shading, last, count)]
         distinct = [fit for fit in fits if _are_distinct(fit[0])]
         if not distinct:
             break
         richer, _ = min(distinct, key=lambda fit: fit[1])
-        if count > 1:
+        if count == 1:
+            needed = least_gain(richer)
+        else:
             lowered = gain(shading, last, richer)
-            worth += np.log(1 - LEAST_GAIN) - np.log(1 - lowered)
+            worth += np.log(1 - needed) - np.log(1 - lowered)
             if worth < most_worth and (lowered < _HOPELESS or count > len(best.vectors) + 1):
                 break
         if worth >= most_worth:
@@ -65,18 +65,36 @@ def fit_lights(shading: Shading) -> Sources:
     return _with_distances(shading, best)
 
 
+def least_gain(single: Sources) -> float:
+    """Return by which share of the loss each light after the first must lower it.
+
+    From the side it is about what an information criterion asks for where some 60 residuals are
+    independent, as they are on renders by their autocorrelation. The more the light that explains
+    most on its own comes from the viewer, the more: the guessed depth errs most in what it lights,
+    and light thrown back by the surroundings is all that the outline then has.
+
+    Parameters
+    ----------
+    single
+        The best single light.
+    """
+    forward = max(float(single.vectors[0, 2] / max(single.intensities[0], 1e-12)), 0.0)
+    return _LEAST_GAIN + _LEAST_GAIN_FROM_FRONT * forward**2
+
+
 def gain(shading: Shading, simple: Sources, rich: Sources) -> float:
     """Return by which share richer lights lower the loss, above a floor that the shape sets.
 
-    The interior decides, in which those places weigh most that are near the outline; few values
-    along the outline itself are independent.
+    Inside, those places weigh most that are near the outline. Along the outline itself few values
+    are independent: all of it weighs half as much.
     """
     left, left_by_rich = (
-        shading.mean_squares(robust(predict(shading, sources) - shading.luminance, _OUTLYING))[0]
+        shading.mean_squares(robust(predict(shading, sources) - shading.luminance, _OUTLYING))
         + _FLOOR * shading.variance
         for sources in (simple, rich)
     )
-    return float(1 - left_by_rich / left)
+    shares = np.array([1.0, _CONTOUR_SHARE])
+    return float(1 - shares @ left_by_rich / (shares @ left))
 
 
 def _are_distinct(sources: Sources) -> bool:

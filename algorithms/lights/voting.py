@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from algorithms.lights.contour import Contour
-from algorithms.lights.fitting import LEAST_GAIN, MOST_LIGHTS, WEAKEST, gain
+from algorithms.lights.fitting import MOST_LIGHTS, WEAKEST, gain, least_gain
 from algorithms.lights.shading import Array, Shading, Sources, predict, refine
 from algorithms.lights.starts import raised
 
@@ -33,7 +33,7 @@ def vote_lights(contour: Contour, shading: Shading) -> Sources:
 
     Returns
     -------
-    1 to 4 directional lights: as many as each lower the loss by `LEAST_GAIN`.
+    1 to 4 directional lights: as many as each lower the loss by `fitting.least_gain`.
     """
     azimuth, luminance = np.radians(contour.azimuth_deg), contour.luminance / shading.unit
     found = _grown(shading, azimuth, luminance)
@@ -43,11 +43,14 @@ def vote_lights(contour: Contour, shading: Shading) -> Sources:
 def _grown(shading: Shading, azimuth: Array, luminance: Array) -> Sources:
     """Vote for one light, two, and so on; stop where one is weak or explains too little."""
     found = Sources.directional(np.zeros((0, 3)))
+    needed = 0.0
     for count in range(1, MOST_LIGHTS + 1):
         start = raised(shading, np.degrees(_voted(azimuth, luminance, count)))
         better, _ = refine(shading, start, turning=False)
         weakest = better.intensities.min() / max(float(better.intensities.max()), 1e-12)
-        if count > 1 and (weakest < WEAKEST or gain(shading, found, better) < LEAST_GAIN):
+        if count == 1:
+            needed = least_gain(better)
+        elif weakest < WEAKEST or gain(shading, found, better) < needed:
             break
         found = better
     return found

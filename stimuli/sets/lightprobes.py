@@ -208,7 +208,7 @@ def make(
         images = design(np.random.default_rng([seed, 0]), quick=quick)
         if chosen == "scalar":
             images = [image for image in images if not image.radius_mm]
-        studio = _Studio(seed, quick)
+        studio = Studio(seed, quick)
         exposure = exposure_for(
             studio.picture(image, _COARSE).radiance for image in images if not image.radius_mm
         )
@@ -317,7 +317,7 @@ def _translucent() -> Iterator[ProbeImage]:
         yield ProbeImage("translucent", probe, (light,), radius_mm=radius_mm)
 
 
-class _Studio:
+class Studio:
     """Takes pictures of the probes; what several images need is kept."""
 
     def __init__(self, seed: int, quick: bool) -> None:
@@ -358,7 +358,7 @@ class _Make:
     """Makes one image."""
 
     image: ProbeImage
-    studio: _Studio
+    studio: Studio
     exposure: float
 
     def __call__(self, folder: Path) -> Mapping[str, Any]:
