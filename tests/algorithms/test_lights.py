@@ -65,6 +65,24 @@ def test_two_lights(turn_deg: float, separation_deg: float) -> None:
         assert angle_between_deg(ours, light) < 8
 
 
+@pytest.mark.parametrize("axes", [(1.0, 1.0, 1.0), (1.0, 0.6, 0.8)])
+def test_a_light_and_a_weak_one_50_degrees_apart(axes: tuple[float, float, float]) -> None:
+    mask, normals, _ = ellipsoid(128, axes)
+    lights = [Light(37, 10, 0.9), Light(87, 30, 0.3)]
+    found = detect_lights(grey(lit(normals, lights, 0.05)), mask)
+    assert len(found.lights) == 2
+    for ours, light in zip(found.lights, lights, strict=True):
+        assert angle_between_deg(ours, light) < 8
+
+
+@pytest.mark.parametrize("elevation_deg", [60, 68])
+def test_what_a_table_throws_back_is_no_second_light(elevation_deg: float) -> None:
+    # Below an object lit from the front: half of all directions, from under it and behind.
+    thrown_back = 0.2 * (1 - NORMALS[..., 1]) / 2 * (1 - NORMALS[..., 2])
+    image = grey(lit(NORMALS, [Light(80, elevation_deg, 0.9)]) + thrown_back)
+    assert len(detect_lights(image, MASK).lights) == 1
+
+
 def test_three_lights() -> None:
     lights = [Light(90, 0, 1.0), Light(180, 45, 0.9), Light(315, -45, 0.8)]  # as in table 3.2
     found = detect_lights(grey(lit(NORMALS, lights)), MASK)
