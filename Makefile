@@ -37,9 +37,9 @@ demo: .venv/run.stamp
 	$(BIN)/trompe demo
 
 # Two at once: much of the suite waits for windows and pages. A file's tests stay together, as they
-# share what they render.
+# share what they render. Threads for small matrices would wait for each other, up to six times as long.
 test: .venv/test.stamp
-	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile
+	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses 2 --dist loadfile
 
 check: .venv/test.stamp
 	$(BIN)/ruff check
