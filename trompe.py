@@ -16,6 +16,7 @@ from rich.table import Table
 import algorithms.cli
 import algorithms.edits.cli
 import analysis.cli
+import analysis.power_cli
 import analysis.sweep_cli
 import experiments.cli
 import stimuli.cli
@@ -37,6 +38,7 @@ app.add_typer(algorithms.edits.cli.app, name="edit")
 app.command("lights")(algorithms.cli.lights)
 app.add_typer(analysis.sweep_cli.app, name="sweep")
 app.command("analyse")(analysis.cli.analyse)
+app.command("power")(analysis.power_cli.power)
 
 
 @app.command()

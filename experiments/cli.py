@@ -16,7 +16,7 @@ from rich.progress import Progress
 from algorithms.errors import InputError
 from experiments import store_cli
 from experiments.course import course_of
-from experiments.study import CHOOSES, Study, check_stimuli, load_study
+from experiments.study import Study, check_stimuli, load_study
 from experiments.template import write_template
 from experiments.trials import Assignment
 from stimuli.manifest import StimulusSet
@@ -173,8 +173,7 @@ def simulate(
 
     Run n of --repeat goes to the store of that name with -n, and has the seed plus n - 1.
     """
-    from experiments.item_observers import ItemObserver
-    from experiments.observers import Observer
+    from experiments.observer_options import observer_of
     from experiments.viewers import Viewer
 
     loaded = load_study(study)
@@ -184,29 +183,25 @@ def simulate(
     if loaded.task == "free-viewing":
         if data is None or url is not None:
             raise InputError("data: free-viewing is simulated into a store (--data)")
+        if repeat > 1:
+            raise InputError(f"repeat: {repeat} given, 1 accepted for free-viewing")
         viewed = _simulate_viewing(
             loaded, stimulus_set, Viewer(attraction), participants, data, folder, seed
         )
         _print_facts({"simulated_sessions": viewed, "seed": seed}, as_json)
         return
-    observer: Observer | ItemObserver
-    by_level = loaded.task == "yes-no" and loaded.stimuli.level and qualities is None
-    if loaded.task in CHOOSES or by_level:
-        observer = Observer(
-            threshold=_threshold_of(threshold),
-            width=width,
-            lapse_rate=lapse_rate,
-            condition=condition,
-            salience=_salience_of(salience),
-            fatigue=fatigue,
-        )
-    else:
-        if qualities is None:
-            raise InputError(f"qualities: needed to simulate {loaded.task}")
-        given = _pairs("qualities", qualities)
-        observer = ItemObserver(
-            given, spread, position_bias, lapse_rate=lapse_rate, fatigue=fatigue
-        )
+    observer = observer_of(
+        loaded,
+        threshold=threshold,
+        condition=condition,
+        width=width,
+        salience=salience,
+        qualities=qualities,
+        spread=spread,
+        position_bias=position_bias,
+        lapse_rate=lapse_rate,
+        fatigue=fatigue,
+    )
     runs = _runs(data, repeat)
     sessions: list[str] = []
     with _progress(participants * repeat) as bar:
@@ -464,28 +459,3 @@ def _progress(total: int) -> Iterator[Progress]:
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         bar.add_task("simulated participants", total=total)
         yield bar
-
-
-def _threshold_of(text: str) -> float | dict[str, float]:
-    return _pairs("threshold", text) if "=" in text else _number("threshold", text)
-
-
-def _salience_of(text: str | None) -> dict[int, float] | None:
-    if text is None:
-        return None
-    return {
-        int(_number("salience", label)): weight
-        for label, weight in _pairs("salience", text).items()
-    }
-
-
-def _pairs(option: str, text: str) -> dict[str, float]:
-    parts = [part.partition("=") for part in text.split(",")]
-    return {name.strip(): _number(option, value) for name, _, value in parts}
-
-
-def _number(option: str, text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise InputError(f"{option}: {text!r} given, a number accepted") from None

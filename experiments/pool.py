@@ -2,6 +2,7 @@
 
 import json
 from collections import Counter
+from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
 import sqlalchemy as sa
@@ -9,7 +10,7 @@ from sqlalchemy.engine import Connection
 
 from experiments import tables
 from experiments.presentations import Assignment, Pool
-from experiments.responses import EXCLUSION, POOL, Event, Session
+from experiments.responses import EXCLUSION, POOL, Event, Response, Session
 from experiments.study import Study
 
 _FIRST: Final = 1  # the answer that says the first of two images
@@ -38,10 +39,22 @@ def collect_pool(connection: Connection, session: Session) -> Pool:
         )
         .group_by(shown, answer)
     )
+    return _pool(
+        (json.loads(images), json.loads(chosen), count)
+        for images, chosen, count in connection.execute(query)
+    )
+
+
+def pool_of(rows: Iterable[Response]) -> Pool:
+    """Return the comparisons that these rows hold, as `collect_pool` does those of a store."""
+    main = (row for row in rows if row.phase == "main" and row.answer is not None)
+    return _pool((row.stimuli, row.answer, 1) for row in main)
+
+
+def _pool(answers: Iterable[tuple[Sequence[str], object, int]]) -> Pool:
     wins: Counter[tuple[str, str]] = Counter()
-    for images, chosen, count in connection.execute(query):
-        first, second = json.loads(images)
-        wins[(first, second) if json.loads(chosen) == _FIRST else (second, first)] += count
+    for (first, second), chosen, count in answers:
+        wins[(first, second) if chosen == _FIRST else (second, first)] += count
     return tuple((better, worse, count) for (better, worse), count in sorted(wins.items()))
 
 

@@ -1,17 +1,17 @@
 """Simulated participants without a server: straight into a store."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from algorithms.errors import InputError
 from experiments.answers import Measurement, response_in
-from experiments.course import course_of
+from experiments.course import Course, Detail, course_of
 from experiments.item_observers import ItemObserver
 from experiments.observers import Observer
-from experiments.pool import assignment_of
-from experiments.presentations import Answer, Trial
-from experiments.responses import POOL, Session
+from experiments.pool import assignment_of, needs_pool, pool_of
+from experiments.presentations import Answer, Assignment, Trial
+from experiments.responses import POOL, Response, Session, now
 from experiments.store import NewSession, Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
@@ -100,21 +100,71 @@ def simulate_in_process(
     return sessions
 
 
+def simulate_rows(
+    study: Study,
+    stimuli: StimulusSet,
+    observer: AnyObserver,
+    participants: int,
+    generator: np.random.Generator,
+) -> list[Response]:
+    """Return what simulated participants answer, without a store: nothing is kept.
+
+    Parameters and errors as of `simulate_in_process`; the answers are those that an empty store
+    would have.
+    """
+    seed = int(generator.integers(2**63))
+    rows: list[Response] = []
+    for number in range(1, participants + 1):
+        name, said = f"P{number:04d}", device_of(observer, seed)
+        session = Session(
+            id=f"{study.name}.{name}.1",
+            study=study.name,
+            study_digest=study.digest,
+            stimuli_digest=stimuli.digest,
+            participant=name,
+            participant_number=number,
+            consent_version=study.consent.version,
+            demographics={},
+            screen={},
+            device=said,
+            runner="simulation",
+            simulated=True,
+            pilot=False,
+            started_at=now(),
+        )
+        pool = pool_of(rows) if needs_pool(study) else ()
+        course = course_of(study, stimuli, Assignment(number, pool))
+        taken = _answers(study, stimuli, session, course, person_of(observer, seed, number))
+        rows += [response for response, _ in taken]
+    return rows
+
+
+def _answers(
+    study: Study,
+    stimuli: StimulusSet,
+    session: Session,
+    course: Course,
+    person: tuple[AnyObserver, np.random.Generator],
+) -> Iterator[tuple[Response, Detail | None]]:
+    """Yield a participant's answers from the first trial to the last, and why each was asked."""
+    while (trial := course.next) is not None:
+        answer, time_s = answer_trial(person[0], study, stimuli, trial, person[1])
+        measured = Measurement(time_s, None, None, None, None, "none")
+        response = response_in(course.trials, study, session, trial.index, answer, measured)
+        yield response, course.decision(trial.index)
+        course.take(trial.index, answer)
+
+
 def _take(
     study: Study, stimuli: StimulusSet, store: Store, observer: AnyObserver, seed: int
 ) -> Session:
     new = NewSession("simulation", device_of(observer, seed), {}, {}, simulated=True)
     session, _ = store.begin_session(study, stimuli, new)
-    person, generator = person_of(observer, seed, session.participant_number)
     events = store.events(session=session.id, kind=POOL)
     course = course_of(study, stimuli, assignment_of(session, events))
-    stored = []
-    while (trial := course.next) is not None:
-        answer, time_s = answer_trial(person, study, stimuli, trial, generator)
-        measured = Measurement(time_s, None, None, None, None, "none")
-        response = response_in(course.trials, study, session, trial.index, answer, measured)
-        stored.append(store.submit(response, course.decision(trial.index)))
-        course.take(trial.index, answer)
+    person = person_of(observer, seed, session.participant_number)
+    answers = _answers(study, stimuli, session, course, person)
+    stored = [store.submit(response, decision) for response, decision in answers]
     for each in stored:
         each.result()
     store.complete(session.id, course.estimates())

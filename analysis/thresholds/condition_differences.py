@@ -1,5 +1,6 @@
 """The thresholds of every two values of a condition compared, with Holm's correction."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -52,6 +53,8 @@ def condition_differences(
     generator: np.random.Generator,
     resamples: int = RESAMPLES,
     correct: float | None = None,
+    *,
+    levels_fixed: bool = True,
 ) -> ConditionDifferences:
     """Compare the thresholds of every two values of a condition.
 
@@ -66,6 +69,10 @@ def condition_differences(
         both values are compared with themselves; else the groups are.
     guess_rate, generator, resamples, correct
         As in `analysis.threshold_difference`.
+    levels_fixed
+        Whether the design, not the answers, chose the levels. Then only levels that were shown
+        with both values count: others would set them apart. Where answers chose them, each
+        value's levels lie around its own threshold, and all count.
 
     Raises
     ------
@@ -82,7 +89,9 @@ def condition_differences(
     for first, second in combinations(values, 2):
         pair = f"{first!s} - {second!s}"
         try:
-            levels, one, other = _counts(scored, condition, (first, second), paired)
+            levels, one, other = _counts(
+                scored, condition, (first, second), paired=paired, levels_fixed=levels_fixed
+            )
             found[pair] = threshold_difference(
                 levels, one, other, guess_rate, generator, resamples, paired=paired, correct=correct
             )
@@ -96,17 +105,33 @@ def condition_differences(
 
 
 def _counts(
-    scored: pd.DataFrame, condition: str, pair: tuple[object, object], paired: bool
+    scored: pd.DataFrame,
+    condition: str,
+    pair: tuple[object, object],
+    *,
+    paired: bool,
+    levels_fixed: bool,
 ) -> tuple[Floats, tuple[Floats, Floats], tuple[Floats, Floats]]:
-    """Return the levels at which both values were shown, and each value's counts there."""
+    """Return the levels that count, and each value's counts there."""
     parts = [scored[scored[condition] == value] for value in pair]
     if paired:
         both = set(parts[0]["participant"]) & set(parts[1]["participant"])
         parts = [part[part["participant"].isin(both)] for part in parts]
-    shared = sorted(set(parts[0]["level"]) & set(parts[1]["level"]))
-    if len(shared) < 2:
-        raise InputError(f"levels: {len(shared)} shown with both, two or more accepted")
-    one, other = (
-        sum_by_participant(part[part["level"].isin(shared)], "correct", ["level"]) for part in parts
+    shown = [set(part["level"]) for part in parts]
+    levels = sorted(shown[0] & shown[1] if levels_fixed else shown[0] | shown[1])
+    if len(levels) < 2:
+        raise InputError(f"levels: {len(levels)} shown with both, two or more accepted")
+    one, other = (_at(part[part["level"].isin(levels)], levels) for part in parts)
+    return np.array(levels, float), one, other
+
+
+def _at(part: pd.DataFrame, levels: Sequence[float]) -> tuple[Floats, Floats]:
+    """Return right answers and all answers by participant and level; 0 where there are none."""
+    sums = sum_by_participant(part, "correct", ["level"])
+    places = np.searchsorted(levels, sums.cells["level"].to_numpy(float))
+    counts: tuple[Floats, Floats] = (
+        np.zeros((len(sums.totals), len(levels))),
+        np.zeros((len(sums.totals), len(levels))),
     )
-    return np.array(shared, float), (one.totals, one.counts), (other.totals, other.counts)
+    counts[0][:, places], counts[1][:, places] = sums.totals, sums.counts
+    return counts

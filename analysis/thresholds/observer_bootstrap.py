@@ -170,12 +170,20 @@ def fit_observers(
     )
 
 
-def check_observers(total: Floats, name: str = "correct, total") -> int:
-    """Return the number of observers, refusing fewer than two and levels without an answer."""
+def check_observers(
+    total: Floats, name: str = "correct, total", *, every_level: bool = True
+) -> int:
+    """Return the number of observers, refusing fewer than two and levels without an answer.
+
+    Without `every_level` answers at two levels are enough.
+    """
     if len(total) < 2:
         raise InputError(f"{name}: {len(total)} participants given, two or more accepted")
-    if np.any(total.sum(axis=0) == 0):
+    answered = total.sum(axis=0) > 0
+    if every_level and not answered.all():
         raise InputError(f"{name}: a level without any answer given, levels with answers accepted")
+    if answered.sum() < 2:
+        raise InputError(f"{name}: answers at {answered.sum()} level given, two or more accepted")
     return len(total)
 
 

@@ -167,7 +167,14 @@ def analyse(collected: Collected) -> OddOneOutAnalysis:
     differences = [
         attempt(
             f"thresholds by {name}",
-            partial(condition_differences, table, name, guess_rate, generator),
+            partial(
+                condition_differences,
+                table,
+                name,
+                guess_rate,
+                generator,
+                levels_fixed=not study.design.is_adaptive,
+            ),
         )
         for name, generator in zip(conditions, for_differences.spawn(len(conditions)), strict=True)
     ]
