@@ -18,7 +18,6 @@ from experiments.simulation import AnyObserver, simulate_rows
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 
-_RESAMPLES: Final = 499
 _UNKNOWN: Final = Outcome(float("nan"), float("nan"))
 
 
@@ -82,7 +81,6 @@ def _threshold_run(
                     condition,
                     study.guess_rate,
                     resampling,
-                    _RESAMPLES,
                     levels_fixed=not study.design.is_adaptive,
                 )
             except InputError:

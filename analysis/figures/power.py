@@ -22,13 +22,12 @@ def power_figure(curve: PowerCurve, wanted: float = 0.8) -> Figure:
         [each.value - each.low for each in curve.power],
         [each.high - each.value for each in curve.power],
     ]
-    left.errorbar(
-        numbers, power, errors, fmt="o-", color=COLOURS[0], markersize=4, label="share of runs"
-    )
+    left.errorbar(numbers, power, errors, fmt="o-", color=COLOURS[0], markersize=4, label="power")
     left.axhline(wanted, color="#444444", linestyle="--", linewidth=0.8, label=f"{wanted:.0%}")
     left.axhline(curve.alpha, color="#999999", linestyle=":", linewidth=0.8, label="alpha")
     left.set_ylim(0, 1.02)
-    left.set_ylabel("difference found")
+    left.set_title("power")
+    left.set_ylabel("share of runs that find the difference")
     right.errorbar(
         numbers,
         curve.means,
@@ -38,7 +37,8 @@ def power_figure(curve: PowerCurve, wanted: float = 0.8) -> Figure:
         markersize=4,
         label="mean and standard deviation of the runs",
     )
-    right.set_ylabel(curve.quantity)
+    right.set_title(curve.quantity)
+    right.set_ylabel("estimate")
     for axes in (left, right):
         axes.set_xlabel("participants")
         axes.set_xlim(0, 1.05 * max(numbers))
