@@ -32,22 +32,30 @@ def analyse(
         ),
     ] = None,
     pilot: Annotated[bool, typer.Option("--pilot", help="Count pilot sessions too.")] = False,
+    stimuli: Annotated[
+        Path | None, typer.Option(help="The folder of the images; free viewing needs it.")
+    ] = None,
+    gaze: Annotated[
+        Path | None, typer.Option(help="The folder with gaze, if it is not where it was recorded.")
+    ] = None,
     check: Annotated[
         bool, typer.Option("--check", help="Only compare the report in --out with a new analysis.")
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Machine-readable output.")] = False,
 ) -> None:
     """Analyse a study: tables, figures and one report.html that opens without a network."""
-    from analysis.report.page import RESULTS_NAME, differences
+    from analysis.report.page import RESULTS_NAME, Images, differences
     from analysis.report.page import analyse as write_analysis
 
     if check:
-        if found := differences(data, out):
+        if found := differences(data, out, Images(stimuli, gaze)):
             raise InputError(f"{out}: other results than before: {', '.join(found)}")
         typer.echo("the same numbers")
         return
     who: Who | None = None if simulated is None else "simulated" if simulated else "people"
-    report = write_analysis(data, out, study, seed, who, include_pilot=pilot)
+    report = write_analysis(
+        data, out, study, seed, who, include_pilot=pilot, stimuli=stimuli, gaze=gaze
+    )
     results = json.loads((out / RESULTS_NAME).read_text(encoding="utf-8"))
     if as_json:
         typer.echo(json.dumps({"report": str(report), **results}))

@@ -169,8 +169,9 @@ def simulate_responses(
             for trial in trials
         ]
         return _frame(study, stimuli, observer, plans, *zip(*picked, strict=True))
-    number_of = {stimulus.id: number for number, stimulus in enumerate(stimuli.stimuli)}
-    shown = _Shown.of(study, stimuli.stimuli, observer)
+    seen = list(dict.fromkeys(trial.stimuli[0] for plan in plans for trial in plan))
+    number_of = {identifier: number for number, identifier in enumerate(seen)}
+    shown = _Shown.of(study, [stimuli[identifier] for identifier in seen], observer)
     shown = shown.take([number_of[trial.stimuli[0]] for trial in trials])
     shown = shown.tired(observer, [trial.index for trial in trials])
     labels, times_s = _answer_all(observer, study.choices, shown, generator)

@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 from algorithms.files import sha256_of
-from experiments.study import Study
+from experiments.study import CHOOSES, Study
 from stimuli.manifest import Factor, Role, Stimulus, StimulusSet
 
 SIZE_PX: Final = (40, 30)
@@ -40,11 +40,20 @@ def cells_of(study: Study) -> list[tuple[Role, Cell]]:
                 for method in ("ours", *(f"artist-{number}" for number in artists))
                 for cell in _cells("main", object=(name,), method=(method,))
             ]
+        case "stylisation":
+            return _cells(
+                "main",
+                lighting=("original", "front", "back"),
+                relit=("similar", "different"),
+                style=("halftone", "multitone", "relighting"),
+                depth=("real", "recovered"),
+            )
         case "photographs":
             objects = ("santa", "robot", "clown")
             control: Cell = {"divergence_deg": 0, "object": "none", "inserted": 0}
             inserted = _cells("main", divergence_deg=(20, 30, 40), object=objects, inserted=(1,))
-            return [("main", control), *inserted]
+            both = _cells("main", divergence_deg=(20, 30), object=("santa+robot",), inserted=(2,))
+            return [("main", control), *inserted, *both]
         case _:
             practice = _cells("practice", divergence_deg=(90, 80, 70), texture=("low",))
             textures = ("low", "high")
@@ -55,9 +64,10 @@ def draw_for(study: Study, folder: Path) -> StimulusSet:
     """Draw the set of a ready-made study; each image is a grey of its own."""
     folder.mkdir()
     regions = None
-    if study.task == "odd-one-out":
+    objects = study.stimuli.choices or 8
+    if study.task in (*CHOOSES, "free-viewing"):
         regions = "regions.png"
-        labels = np.arange(SIZE_PX[0]) * study.choices // SIZE_PX[0] + 1
+        labels = np.arange(SIZE_PX[0]) * objects // SIZE_PX[0] + 1
         _save(folder / regions, np.tile(labels, (SIZE_PX[1], 1)).astype(np.uint8))
     stimuli = []
     for number, (role, factors) in enumerate(cells_of(study)):
@@ -68,7 +78,7 @@ def draw_for(study: Study, folder: Path) -> StimulusSet:
                 file=f"{number}.png",
                 role=role,
                 factors=factors,
-                answer=1 if regions else None,
+                answer=_answer(factors) if regions else None,
                 regions=regions,
             )
         )
@@ -80,10 +90,14 @@ def draw_for(study: Study, folder: Path) -> StimulusSet:
         engine="drawn",
         versions={},
         exposure=1.0,
-        objects={label: str(label) for label in range(1, (study.stimuli.choices or 0) + 1)},
+        objects={label: str(label) for label in range(1, objects + 1)},
         files={path.name: sha256_of(path) for path in sorted(folder.glob("*.png"))},
         stimuli=tuple(stimuli),
     ).write(folder)
+
+
+def _answer(factors: Cell) -> int | tuple[int, int]:
+    return (1, 2) if factors.get("inserted") == 2 else 1
 
 
 def _cells(role: Role, **levels: Sequence[Factor]) -> list[tuple[Role, Cell]]:

@@ -3,7 +3,7 @@
 import pandas as pd
 
 from algorithms.errors import InputError
-from experiments.study import Study
+from experiments.study import Study, chosen
 from stimuli.manifest import StimulusSet
 
 _NEEDED = (
@@ -119,7 +119,8 @@ def _factors(stimuli: StimulusSet, study: Study) -> pd.DataFrame:
     for name in (level, *study.stimuli.conditions):
         if name not in frame.columns:
             raise InputError(f"stimuli: the set {stimuli.name} has no factor {name!r}")
-    frame = frame[frame["role"] == "main"].drop(columns=["role", "file"])
+    shown = {stimulus.id for stimulus in chosen(study, stimuli, "main")}
+    frame = frame[frame["stimulus"].isin(shown)].drop(columns=["role", "file"])
     for name in study.stimuli.conditions:  # in the order of the set, not of the alphabet
         values = frame[name].astype(str)
         frame[name] = pd.Categorical(values, categories=values.unique())

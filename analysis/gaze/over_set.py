@@ -63,6 +63,11 @@ class GazeAnalysis:
     level: str
     simulated: bool
 
+    def picture(self, name: str) -> NDArray[Any]:
+        """Return an image of the set as displayed, shape (height, width, 3), 0 to 255."""
+        with Image.open(self.stimuli.path(self.stimuli[name].file)) as picture:
+            return np.asarray(picture.convert("RGB"))
+
     def tables(self) -> dict[str, pd.DataFrame]:
         """Return the tables by name, each row saying whether programs looked."""
         tables = {"fixations": self.fixations.to_frame(), "dwell-times": self.dwell}
@@ -80,7 +85,7 @@ class GazeAnalysis:
         with mpl.rc_context(SETTINGS):
             figures = {
                 f"heat-map-{name}": heat_map_figure(
-                    _picture(self.stimuli, name), heat, simulated=self.simulated
+                    self.picture(name), heat, simulated=self.simulated
                 )
                 for name, heat in self.heat_maps.items()
             }
@@ -212,8 +217,3 @@ def _regions(stimuli: StimulusSet, shown: pd.DataFrame) -> dict[str, NDArray[Any
             images[file] = read_labels(stimuli.path(file))
         regions[str(name)] = images[file]
     return regions
-
-
-def _picture(stimuli: StimulusSet, name: str) -> NDArray[Any]:
-    with Image.open(stimuli.path(stimuli[name].file)) as picture:
-        return np.asarray(picture.convert("RGB"))

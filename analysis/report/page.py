@@ -4,6 +4,7 @@ import base64
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import jinja2
@@ -19,6 +20,8 @@ from analysis.report.study_analysis import StudyAnalysis, analyse_study
 from analysis.report.tables import study_tables
 from analysis.thresholds.chance import ChanceLimit
 from experiments.collection import load_collection
+from experiments.study import Study
+from stimuli.manifest import StimulusSet, load
 
 REPORT_NAME = "report.html"
 RESULTS_NAME = "results.json"
@@ -87,6 +90,46 @@ _TEMPLATES.filters |= {
 }
 
 
+@dataclass(frozen=True)
+class Images:
+    """What a report needs beside the rows of a store, where it shows images.
+
+    Attributes
+    ----------
+    stimuli
+        The folder of the stimulus set; `free-viewing` needs it.
+    gaze
+        The folder with gaze, where it is not where it was recorded.
+    """
+
+    stimuli: Path | None = None
+    gaze: Path | None = None
+
+    def located(self, study: Study, recorded: StimulusSet) -> StimulusSet:
+        """Return the set with its folder, where there is one.
+
+        Raises
+        ------
+        InputError
+            If it is needed and not given, or another set.
+        """
+        if self.stimuli is None:
+            if study.task == "free-viewing":
+                raise InputError(
+                    "stimuli: none given; the report of free-viewing needs the images (--stimuli)"
+                )
+            return recorded
+        given = load(self.stimuli)
+        if given.digest != recorded.digest:
+            raise InputError(f"stimuli: {self.stimuli} is another set than the one that was shown")
+        return given
+
+    def folders(self, source: str | Path) -> tuple[Path, ...]:
+        """Return where gaze files may be: as written, beside the store, or where it is said."""
+        beside = () if "://" in str(source) else (Path(source).parent,)
+        return (Path(), *beside) if self.gaze is None else (self.gaze, self.gaze.parent)
+
+
 def analyse(
     source: str | Path,
     out_folder: str | Path,
@@ -95,6 +138,8 @@ def analyse(
     who: Who | None = None,
     *,
     include_pilot: bool = False,
+    stimuli: Path | None = None,
+    gaze: Path | None = None,
 ) -> Path:
     """Analyse what was collected in a study and write the report, its tables and its figures.
 
@@ -114,6 +159,10 @@ def analyse(
         otherwise.
     include_pilot
         Whether sessions that only tried the study out count too.
+    stimuli
+        The folder of the stimulus set, where images are needed: of `free-viewing`.
+    gaze
+        The folder with gaze, where it is not where it was recorded.
 
     Returns
     -------
@@ -125,11 +174,12 @@ def analyse(
     InputError
         If there is no store, no such study, nothing to analyse yet, or the folder is not writable.
     """
-    analysis = _analysis_of(source, study, seed, who, include_pilot=include_pilot)
+    images = Images(stimuli, gaze)
+    analysis = _analysis_of(source, study, seed, who, images, include_pilot=include_pilot)
     return write_report(analysis, Path(out_folder))
 
 
-def differences(source: str | Path, out_folder: str | Path) -> list[str]:
+def differences(source: str | Path, out_folder: str | Path, images: Images = Images()) -> list[str]:
     """Analyse again what a report is about, and return the results that are not the same.
 
     Parameters
@@ -139,6 +189,8 @@ def differences(source: str | Path, out_folder: str | Path) -> list[str]:
     out_folder
         The report's folder; nothing in it is changed. Study, seed and whose answers count are
         those of its `results.json`.
+    images
+        As given to the report.
 
     Returns
     -------
@@ -156,24 +208,31 @@ def differences(source: str | Path, out_folder: str | Path) -> list[str]:
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise InputError(f"{path}: there is no report of this Trompe to compare with") from error
     study, seed, who, include_pilot = choices
-    analysis = _analysis_of(source, study, seed, who, include_pilot=include_pilot)
+    analysis = _analysis_of(source, study, seed, who, images, include_pilot=include_pilot)
     again = json.loads(to_json(_results(analysis)))
     return [name for name in {**told, **again} if told.get(name) != again.get(name)]
 
 
 def _analysis_of(
-    source: str | Path, study: str | None, seed: int, who: Who | None, *, include_pilot: bool
+    source: str | Path,
+    study: str | None,
+    seed: int,
+    who: Who | None,
+    images: Images,
+    *,
+    include_pilot: bool,
 ) -> StudyAnalysis:
     found = load_collection(source, study)
     return analyse_study(
         found.study,
-        found.stimuli,
+        images.located(found.study, found.stimuli),
         found.sessions,
         found.responses,
         seed,
         found.events,
         who,
         include_pilot=include_pilot,
+        gaze_folders=images.folders(source),
     )
 
 
@@ -225,11 +284,17 @@ def render(analysis: StudyAnalysis, drawings: Mapping[str, bytes]) -> str:
         sentences=analysis.sentences(),
         level=level_name(analysis.study),
         unit=analysis.study.stimuli.level_unit,
-        unanswered=int(analysis.trials["answer"].isna().sum()),
+        unanswered=_unanswered(analysis),
         tables=sorted(study_tables(analysis)),
         figures={name: _data_uri(drawing) for name, drawing in drawings.items()},
         simulated_text=SIMULATED_TEXT,
     )
+
+
+def _unanswered(analysis: StudyAnalysis) -> int:
+    if analysis.study.task == "free-viewing":
+        return 0  # nothing is asked
+    return int(analysis.trials["answer"].isna().sum())
 
 
 def _data_uri(drawing: bytes) -> str:

@@ -5,6 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module, metadata
+from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Final, Protocol, cast
 
 import pandas as pd
@@ -60,6 +61,10 @@ class Collected:
         results are the same.
     versions
         Of Trompe and the libraries that computed.
+    events
+        What happened to the sessions that are analysed.
+    gaze_folders
+        Where the files may be that the events tell of.
     """
 
     study: Study
@@ -71,6 +76,8 @@ class Collected:
     include_pilot: bool
     answers_digest: str
     versions: dict[str, str]
+    events: tuple[Event, ...]
+    gaze_folders: tuple[Path, ...]
 
     @property
     def simulated(self) -> bool:
@@ -144,6 +151,7 @@ _MODULES: Final[Mapping[Task, str]] = {
     "ranking": "ranking",
     "yes-no": "yes_no",
     "pick": "pick",
+    "free-viewing": "free_viewing",
 }
 
 
@@ -157,6 +165,7 @@ def analyse_study(
     who: Who | None = None,
     *,
     include_pilot: bool = False,
+    gaze_folders: Sequence[Path] = (),
 ) -> StudyAnalysis:
     """Analyse the answers of people, or of simulated observers, to one version of a study.
 
@@ -172,6 +181,8 @@ def analyse_study(
         Whose answers, or None: people if one of them has finished, simulated observers otherwise.
     include_pilot
         Whether sessions that only tried the study out count too.
+    gaze_folders
+        Where gaze may be, of `free-viewing`.
 
     Raises
     ------
@@ -221,6 +232,8 @@ def analyse_study(
             include_pilot=include_pilot,
             answers_digest=_digest(kept),
             versions=_versions(),
+            events=tuple(e for e in events if e.session in {one.id for one in analysed}),
+            gaze_folders=tuple(gaze_folders),
         )
     )
 

@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from algorithms.errors import InputError
 from experiments.cli import app
 from experiments.item_observers import ItemObserver
 from experiments.observers import Observer, simulate_responses
 from experiments.simulation import simulate_in_process
 from experiments.store import Store
-from experiments.study import check_stimuli, load_study
+from experiments.study import CHOOSES, check_stimuli, load_study
 from experiments.trials import Assignment, planned_trials
+from experiments.viewers import Viewer, simulate_viewing
 from experiments.web import create_app, running_server
 from stimuli.manifest import StimulusSet
 from tests.drawn_studies import METHODS, draw_for
@@ -28,7 +30,11 @@ SHOWN = {
     "caustics-pairs": {2: 48},
     "caustics-real": {2: 1},
     "caustics-ranking": {5: 1, 6: 1},
+    "lights-inserted": {1: 2},
+    "stylisation-pairs": {2: 18},
+    "light-viewing": {1: 20},
 }
+LAB_ONLY = ("light-viewing",)
 
 
 @pytest.fixture(params=SHOWN)
@@ -51,20 +57,30 @@ def test_a_participant_sees_what_the_thesis_showed(name: str, drawn: StimulusSet
 
 def test_it_is_served(name: str, drawn: StimulusSet, store: Store) -> None:
     study = load_study(name)
+    if name in LAB_ONLY:
+        with pytest.raises(InputError, match="task: free-viewing records gaze"):
+            create_app(study, drawn, store)
+        return
     with running_server(create_app(study, drawn, store)) as url:
         told = httpx.get(f"{url}/api/studies/{name}").json()
     assert told["task"] == study.task
     assert told["timing"]["time_limit_s"] == (20 if name == "fog-realism" else None)
 
 
-def test_simulated_observers_take_it(name: str, drawn: StimulusSet, store: Store) -> None:
+def test_simulated_observers_take_it(
+    name: str, drawn: StimulusSet, store: Store, tmp_path: Path
+) -> None:
     study, generator = load_study(name), np.random.default_rng(1)
     trials = len(planned_trials(study, drawn, Assignment(1)))
-    if study.task == "odd-one-out":
+    if study.task in CHOOSES:
         rows = simulate_responses(study, drawn, Observer(25, 30), 2, generator)
         assert len(rows) == 2 * trials
         return
-    items = {str(stimulus.factors["method"]) for stimulus in drawn.stimuli}
+    if study.task == "free-viewing":
+        simulate_viewing(study, drawn, store, Viewer(), 2, generator, tmp_path)
+        assert len(store.responses()) == len(list(tmp_path.rglob("*.parquet"))) == 2 * trials
+        return
+    items = {str(stimulus.factors[study.stimuli.item or ""]) for stimulus in drawn.stimuli}
     simulate_in_process(study, drawn, store, ItemObserver(dict.fromkeys(items, 0.0)), 2, generator)
     assert len(store.responses()) == 2 * trials
 
