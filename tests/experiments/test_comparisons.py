@@ -132,13 +132,15 @@ def test_two_images_of_one_item_cannot_be_compared(study: Study, drawn_set: Stim
         ("yes-no", {"stimuli": {"set": "divergence", "item": "x", "within": ["y"]}}, "within: the"),
         ("yes-no", {"stimuli": {"set": "divergence", "item": "x", "choices": 8}}, "choices: the"),
         ("odd-one-out", {"design": {"kind": "factorial", "seed": 1}}, "choices: missing"),
+        ("free-viewing", {}, "stimuli.item: the task free-viewing has no use for it"),
+        ("free-viewing", {"stimuli": {"set": "divergence"}}, "timing.image_s: missing"),
     ],
 )
 def test_studies_that_do_not_fit_their_task_are_refused(
     study: Study, task: Task, change: dict[str, Any], message: str
 ) -> None:
     content = comparison_study(study, "yes-no").model_dump(mode="json")
-    if task != "yes-no":
+    if task not in ("yes-no", "free-viewing"):
         content = comparison_study(study, "ranking" if task == "odd-one-out" else task).model_dump(
             mode="json"
         )

@@ -10,6 +10,7 @@ import pytest
 
 from algorithms.errors import InputError, UnavailableError
 from experiments.lab.arrival import unfinished_session
+from experiments.lab.eye_tracker import read_tracker
 from experiments.lab.opening import open_window
 from experiments.lab.runner import run_lab
 from experiments.lab.visual_angle import image_width_px
@@ -18,6 +19,7 @@ from experiments.store import NewSession, Store
 from experiments.study import Study
 from experiments.study_parts import Display as ImageSize
 from stimuli.manifest import StimulusSet
+from tests.comparison_studies import viewing_study
 from tests.lab.driver import DEMOGRAPHICS, Display, Sitting, start
 
 BEGUN = NewSession(
@@ -136,3 +138,30 @@ def test_windows_that_cannot_be_are_refused(
     told = [line for line in lines if not line.startswith("Xlib:")]  # the X client's own remarks
     for line, expected in zip(told, refused, strict=True):
         assert line.startswith(expected)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[tracker", "not a TOML file"),
+        ("", "nothing given, one table"),
+        ("[mouse]", "mouse given, one table"),
+        ('["eyetracker.hw.mouse.EyeTracker"]\n["eyetracker.hw.tobii.EyeTracker"]', "given, one"),
+    ],
+)
+def test_files_that_name_no_eye_tracker_are_refused(
+    tmp_path: Path, text: str, message: str
+) -> None:
+    path = tmp_path / "tracker.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=message):
+        read_tracker(path)
+
+
+def test_free_viewing_wants_an_eye_tracker(
+    study: Study, few: StimulusSet, store: Store, tmp_path: Path
+) -> None:
+    viewing = viewing_study(study, 1.0)
+    with pytest.raises(InputError, match=r"eye_tracker: none given; free-viewing records gaze"):
+        run_lab(viewing, few, store, demographics=DEMOGRAPHICS, folder=tmp_path)
+    assert store.sessions() == []

@@ -71,8 +71,10 @@ class FreeViewingAnalysis(StudyAnalysis):
             f" the median; the tracker had {100 * self.valid_share:.1f} % of the samples."
         ]
         if self.gaze.ratios is not None:
+            unit = self.study.stimuli.level_unit
             told += [
-                f"At {row[self.gaze.level]:g} they looked {row['ratio']:.2f} times"
+                f"At {row[self.gaze.level]:g} {unit}".rstrip()
+                + f" they looked {row['ratio']:.2f} times"
                 f" [{row['low']:.2f}, {row['high']:.2f}] as long at the odd object as at another."
                 for row in self.gaze.ratios.table.to_dict("records")
             ]
