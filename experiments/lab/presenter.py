@@ -142,7 +142,7 @@ def present(
 
 def _hold(window: LabWindow, parts: Sequence[Drawable], until_s: float) -> None:
     """Show something up to the frame nearest to a time."""
-    while window.time_s() < until_s - window.frame_s / 2:
+    while window.next_frame_s < until_s - window.frame_s / 2:
         window.show(parts)
 
 
@@ -168,7 +168,7 @@ def _ask(
                 return answer, press
         if time_limit_s is not None and shown_s - onset_s >= time_limit_s:
             return None, None
-        if shown_s + 1.5 * window.frame_s >= ends_s:
+        if window.next_frame_s >= ends_s - window.frame_s / 2:
             if len(scenes) == 1:
                 return None, None
             scenes.pop(0)

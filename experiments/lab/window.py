@@ -1,5 +1,6 @@
 """The PsychoPy window: what is drawn in it, when it is shown, and how its frames were."""
 
+import math
 import statistics
 import time
 from collections.abc import Callable, Iterable
@@ -23,6 +24,7 @@ INK_RGB = (238, 238, 238)
 # Without vertical synchronisation frames cost nothing but time; then we make 60 a second.
 _UNSYNCHRONISED_HZ = 60.0
 _FASTEST_DISPLAY_HZ = 400.0
+_SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "Software Rasterizer", "GDI Generic")
 
 # A frame that takes longer than this many refresh periods is counted as dropped.
 _LATE_FRAME = 1.5
@@ -139,15 +141,26 @@ class LabWindow:
             checkTiming=False,
             title=settings.title,
         )
-        self._next_frame_s = 0.0
+        self.next_frame_s = 0.0
+        """When the next frame can be on the screen, on the window's clock."""
         self.announce = announce
         self.width_px, self.height_px = (int(side) for side in self._window.size)
         self._presses = Presses(self._window.winHandle, self.height_px, self.time_s)
         self._squares = self._prepare_squares()
-        measured_hz = self._window.getActualFrameRate(infoMsg="")
-        synchronised = measured_hz is not None and measured_hz < _FASTEST_DISPLAY_HZ
-        self.refresh_hz: float | None = float(measured_hz) if synchronised else None
+        self.refresh_hz = self._measured_refresh_hz()
         self._window.refreshThreshold = _LATE_FRAME * self.frame_s
+
+    def _measured_refresh_hz(self) -> float | None:
+        """Return how often the display shows a frame, or None where frames wait for nothing."""
+        if any(name in self._renderer for name in _SOFTWARE_RENDERERS):
+            return None  # on a busy machine its speed can look like a display's
+        measured_hz: float | None = self._window.getActualFrameRate(infoMsg="")
+        synchronised = measured_hz is not None and measured_hz < _FASTEST_DISPLAY_HZ
+        return measured_hz if synchronised else None
+
+    @property
+    def _renderer(self) -> str:
+        return str(self._window.winHandle.context.get_info().get_renderer())
 
     @property
     def psychopy_window(self) -> object:
@@ -185,9 +198,8 @@ class LabWindow:
         """PsychoPy's version, the graphics renderer and the measured refresh rate."""
         import psychopy
 
-        renderer = self._window.winHandle.context.get_info().get_renderer()
         rate = f"{self.refresh_hz:.2f} Hz" if self.refresh_hz else "no vertical synchronisation"
-        return f"PsychoPy {psychopy.__version__}; {renderer}; {rate}"
+        return f"PsychoPy {psychopy.__version__}; {self._renderer}; {rate}"
 
     @property
     def pixels_per_cm(self) -> float | None:
@@ -284,9 +296,13 @@ class LabWindow:
         if self._squares is not None:
             self._squares[lit].draw()
         if self.refresh_hz is None:
-            time.sleep(max(0.0, self._next_frame_s - self.time_s()))
+            time.sleep(max(0.0, self.next_frame_s - self.time_s()))
         shown_s = float(self._window.flip())
-        self._next_frame_s = max(self._next_frame_s + self.frame_s, shown_s)
+        if self.refresh_hz is None:  # a late frame moves no later one, as on a display
+            missed = max(1, math.ceil((shown_s - self.next_frame_s) / self.frame_s))
+            self.next_frame_s += missed * self.frame_s
+        else:
+            self.next_frame_s = shown_s + self.frame_s
         return shown_s
 
     def show(self, parts: Iterable[Drawable], *, lit: bool = False) -> float:

@@ -1,6 +1,7 @@
 """A window that writes down, just before each frame is shown, what is in it."""
 
 import json
+import time
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,8 @@ def observed_window(path: Path) -> type[LabWindow]:
     """Return a kind of window that adds a line to a file for each frame.
 
     Each is a JSON list: the time on the window's clock just before the frame is shown, and the
-    colours in the middle of the photodiode's square and in the middle of the window.
+    colours in the middle of the photodiode's square and in the middle of the window, and the time
+    on the clock that all processes share.
     """
 
     class ObservedWindow(LabWindow):
@@ -29,7 +31,8 @@ def observed_window(path: Path) -> type[LabWindow]:
 
             def observe(flip: bool) -> None:
                 colours = [self.colour_at(*place) for place in places]
-                file.write(json.dumps([self.time_s(), *colours]) + "\n")
+                line = [self.time_s(), *colours, time.monotonic()]
+                file.write(json.dumps(line) + "\n")
                 swap(flip)
 
             backend.swapBuffers = observe

@@ -1,12 +1,15 @@
 """What a test asks of the X server itself, through Xlib."""
 
 import ctypes
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from ctypes import c_int, c_long, c_ulong, c_void_p
 
 CLIENT_MESSAGE = 33
 EVENT_LONGS = 24
+ALL_PLANES = c_ulong(0xFFFFFF)
+Z_PIXMAP = 2
 
 
 class _Monitor(ctypes.Structure):
@@ -53,6 +56,25 @@ def split_screen(display: str, at_px: int, width_px: int, height_px: int) -> Non
             place = (left_px, 0, right_px - left_px, height_px, 0, 0)
             monitor = _Monitor(atom, int(name == "left"), 0, 0, *place, None)
             randr.XRRSetMonitor(opened, root, ctypes.byref(monitor))
+
+
+def watch_pixel(
+    display: str, x_px: int, y_px: int, ended: Callable[[], bool], pause_s: float
+) -> list[tuple[float, int]]:
+    """Return when a pixel of the screen was seen to change, on `time.monotonic`, and to what."""
+    seen: list[tuple[float, int]] = []
+    with _opened(display) as (x11, opened):
+        x11.XGetImage.restype = c_void_p
+        x11.XGetPixel.restype = c_ulong
+        root = c_ulong(x11.XDefaultRootWindow(opened))
+        while not ended():
+            image = c_void_p(x11.XGetImage(opened, root, x_px, y_px, 1, 1, ALL_PLANES, Z_PIXMAP))
+            now_s, colour = time.monotonic(), int(x11.XGetPixel(image, 0, 0))
+            x11.XDestroyImage(image)
+            if not seen or seen[-1][1] != colour:
+                seen.append((now_s, colour))
+            time.sleep(pause_s)
+    return seen
 
 
 def ask_to_close(display: str, window: int) -> None:
