@@ -163,7 +163,7 @@ def _take(
     events = store.events(session=session.id, kind=POOL)
     course = course_of(study, stimuli, assignment_of(session, events))
     person = person_of(observer, seed, session.participant_number)
-    answers = _answers(study, stimuli, session, course, person)
+    answers = list(_answers(study, stimuli, session, course, person))  # stored in few commits
     stored = [store.submit(response, decision) for response, decision in answers]
     for each in stored:
         each.result()
