@@ -5,10 +5,17 @@ import ctypes.util
 import importlib.metadata
 import shutil
 import subprocess
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 from stimuli.engine import engine_report
+
+_RENDERER = """
+import pyglet
+window = pyglet.window.Window(8, 8, visible=False)
+print(window.context.get_info().get_renderer())
+"""
 
 BUNDLE = Path(__file__).parent / "web" / "bundle"
 
@@ -38,7 +45,11 @@ class Check:
 
 def examine() -> tuple[Check, ...]:
     """Look at everything that Trompe can use on this machine."""
-    return (*_engines(), _psychopy(), _opengl(), _display(), _chromium(), _front_end())
+    return (
+        *_engines(),
+        *(_psychopy(), _opengl(), _display(), _vertical_blank(), _ports()),
+        *(_chromium(), _front_end()),
+    )
 
 
 def _engines() -> tuple[Check, ...]:
@@ -85,6 +96,34 @@ def _display() -> Check:
     name = x11.XDisplayString(display).decode()
     x11.XCloseDisplay(display)
     return Check("display", "the lab runner", True, name, "")
+
+
+def _vertical_blank() -> Check:
+    """Ask what draws a window, in a process of its own: a driver that fails may end it."""
+    from experiments.lab.window import SOFTWARE_RENDERERS
+
+    name, needed_for = "graphics card", "times in the lab"
+    remedy = "the driver of a graphics card: software waits for no display"
+    asked = subprocess.run(
+        [sys.executable, "-c", _RENDERER], capture_output=True, text=True, check=False, timeout=60
+    )
+    renderer = asked.stdout.strip()
+    if asked.returncode or not renderer:
+        return Check(name, needed_for, False, "no window with OpenGL can be opened", remedy)
+    hardware = not any(software in renderer for software in SOFTWARE_RENDERERS)
+    return Check(name, needed_for, hardware, renderer, "" if hardware else remedy)
+
+
+def _ports() -> Check:
+    try:
+        from serial.tools import list_ports
+    except ImportError:
+        return Check(
+            "ports", "trigger codes", False, "no pyserial", "pip install pyserial (psychopy has it)"
+        )
+    found = [port.device for port in list_ports.comports()]
+    found += [str(path) for path in sorted(Path("/dev").glob("parport*"))]
+    return Check("ports", "trigger codes", True, ", ".join(found) or "none connected", "")
 
 
 def _chromium() -> Check:

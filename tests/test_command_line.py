@@ -73,6 +73,8 @@ def test_the_doctor_names_everything_and_how_to_get_what_is_missing(
         "PsychoPy",
         "OpenGL",
         "display",
+        "graphics card",
+        "ports",
         "Chromium",
         "front end",
     ]
@@ -88,7 +90,7 @@ def test_the_doctor_finds_nothing_where_there_is_nothing(
     monkeypatch.setenv("DISPLAY", ":4711")
     monkeypatch.setattr("experiments.doctor.BUNDLE", tmp_path)
     found = {check.name: check for check in examine()}
-    for name in ("display", "Chromium", "front end"):
+    for name in ("display", "graphics card", "Chromium", "front end"):
         assert not found[name].works
     assert found["Chromium"].remedy == "apt install chromium"
     assert "xvfb" in found["display"].remedy

@@ -21,10 +21,12 @@ BACKGROUND_RGB = (128, 128, 128)
 
 INK_RGB = (238, 238, 238)
 
+SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "Software Rasterizer", "GDI Generic")
+"""Parts of the names of what draws without a graphics card, and waits for no display."""
+
 # Without vertical synchronisation frames cost nothing but time; then we make 60 a second.
 _UNSYNCHRONISED_HZ = 60.0
 _FASTEST_DISPLAY_HZ = 400.0
-_SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "Software Rasterizer", "GDI Generic")
 
 # A frame that takes longer than this many refresh periods is counted as dropped.
 _LATE_FRAME = 1.5
@@ -152,7 +154,7 @@ class LabWindow:
 
     def _measured_refresh_hz(self) -> float | None:
         """Return how often the display shows a frame, or None where frames wait for nothing."""
-        if any(name in self._renderer for name in _SOFTWARE_RENDERERS):
+        if any(name in self._renderer for name in SOFTWARE_RENDERERS):
             return None  # on a busy machine its speed can look like a display's
         measured_hz: float | None = self._window.getActualFrameRate(infoMsg="")
         synchronised = measured_hz is not None and measured_hz < _FASTEST_DISPLAY_HZ
