@@ -13,6 +13,9 @@ from experiments.store import Store
 LEASE_S: Final = 45.0
 """How long a page that is not heard of keeps its session; pages renew it far more often."""
 
+RELOAD_S: Final = 4.0
+"""How long a page that has said goodbye still keeps it: it may have been reloaded."""
+
 
 def renew_lease(
     store: Store, session: str, page: str, clock: Callable[[], float] = time.time
@@ -44,9 +47,15 @@ def renew_lease(
         return connection.execute(statement).first() is not None
 
 
-def end_lease(store: Store, session: str, page: str) -> None:
-    """Let the next page have a session at once, if this one has it."""
+def end_lease(
+    store: Store, session: str, page: str, clock: Callable[[], float] = time.time
+) -> None:
+    """Let the next page have a session in `RELOAD_S`, if this one has it and does not come back."""
     columns = tables.leases.c
-    mine = tables.leases.delete().where(columns.session == session, columns.page == page)
+    soon = (
+        tables.leases.update()
+        .where(columns.session == session, columns.page == page)
+        .values(renewed_s=clock() - LEASE_S + RELOAD_S)
+    )
     with store.engine.begin() as connection:
-        connection.execute(mine)
+        connection.execute(soon)

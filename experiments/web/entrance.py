@@ -91,7 +91,7 @@ def keep_session(here: OfSession, own: OwnSession, message: LeaseMessage) -> Non
 
 @router.post("/sessions/{session}/lease/end", status_code=204)
 def leave_session(here: OfSession, own: OwnSession, message: LeaseMessage) -> None:
-    """Let the next page have the session at once."""
+    """Let the next page have the session soon, unless this one was only reloaded."""
     end_lease(here.store, own.id, message.page)
 
 

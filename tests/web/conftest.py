@@ -58,12 +58,14 @@ def brief(study: Study) -> Study:
 @pytest.fixture
 def open_page(browser: Browser, brief: Study, small_set: StimulusSet, store: Store) -> OpenPage:
     """Serve a study and sit a participant in front of it; no page may complain of anything."""
+    usual = store
 
     @contextmanager
     def opened(
         study: Study = brief,
         stimuli: StimulusSet = small_set,
         window: Mapping[str, Any] = DESKTOP,
+        store: Store = usual,
     ) -> Iterator[Participant]:
         with running_server(create_app(study, stimuli, store)) as url:
             context = browser.new_context(**window)

@@ -4,9 +4,10 @@ import { api, type Credentials, sessionPath } from "./api";
 import { drawId } from "./random";
 import { ApiError, retry } from "./retry";
 
-/** A page that is reloaded lets go of its locks within a moment. */
-const GRACE_S = 1;
-const TRY_AGAIN_S = 5;
+/** A page that is reloaded takes its lock again within this. */
+const RELOAD_S = 3;
+const MOMENT_S = 0.5;
+const TRY_AGAIN_S = 2;
 /** Several times within what the server takes for silence (`LEASE_S` in experiments/leases.py). */
 const RENEW_S = 12;
 const NAME_KEY = "trompe.page";
@@ -23,14 +24,36 @@ export async function holdStudy(study: string, onElsewhere: () => void): Promise
   if (locks === undefined) {
     return;
   }
-  const timer = setTimeout(onElsewhere, 1000 * GRACE_S);
-  await new Promise<void>((resolve) => {
-    void locks.request(`trompe.${study}`, () => {
-      resolve();
-      return new Promise(() => {}); // held until the page goes
-    });
+  const name = `trompe.${study}`;
+  while (!(await takeLock(locks, name))) {
+    onElsewhere();
+    // Free at two looks in a row: the first tab was closed, and not reloaded.
+    for (let free = 0; free < 2; free = (await isFree(locks, name)) ? free + 1 : 0) {
+      await delay(RELOAD_S);
+    }
+  }
+}
+
+/** Take a lock for as long as the page stays; false if another page keeps it. */
+function takeLock(locks: LockManager, name: string): Promise<boolean> {
+  // The page that a reload replaces may have it for a moment.
+  const signal = AbortSignal.timeout(1000 * MOMENT_S);
+  return new Promise((resolve) => {
+    const taken = () => {
+      resolve(true);
+      return new Promise(() => {});
+    };
+    locks.request(name, { signal }, taken).catch(() => resolve(false));
   });
-  clearTimeout(timer);
+}
+
+async function isFree(locks: LockManager, name: string): Promise<boolean> {
+  const { held = [] } = await locks.query();
+  return held.every((lock) => lock.name !== name);
+}
+
+function delay(time_s: number): Promise<void> {
+  return new Promise((resolve) => setTimeout(resolve, 1000 * time_s));
 }
 
 /**
@@ -48,7 +71,7 @@ export async function keepSession(
   const page = takeName();
   while (!(await renew(credentials, page))) {
     onElsewhere();
-    await new Promise((resolve) => setTimeout(resolve, 1000 * TRY_AGAIN_S));
+    await delay(TRY_AGAIN_S);
   }
   const timer = setInterval(async () => {
     const kept = await renew(credentials, page).catch(() => true); // the session itself has ended
