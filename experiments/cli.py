@@ -112,17 +112,18 @@ def serve(
     from experiments.web.workers import Worker, check_workers, serve_workers
 
     served = _with_stimuli(studies, stimuli)
-    with web.listen(host, port) as listener, Store.open(data) as store:
-        check_workers(workers, store)
-        application = web.create_site(served, store, pilot=pilot)
-        url = (public_url or web.base_url(listener)).rstrip("/")
-        for study, _ in served:
-            # Each says whose it is where there are several.
-            name = {"study": study.name} if len(served) > 1 else {}
-            _print_facts({**name, **web.links(url, study, store)}, as_json)
-        if workers == 1:
-            web.serve(application, listener)
-        else:
+    with web.listen(host, port) as listener:
+        with Store.open(data) as store:
+            check_workers(workers, store)
+            application = web.create_site(served, store, pilot=pilot)
+            url = (public_url or web.base_url(listener)).rstrip("/")
+            for study, _ in served:
+                # Each says whose it is where there are several.
+                name = {"study": study.name} if len(served) > 1 else {}
+                _print_facts({**name, **web.links(url, study, store)}, as_json)
+            if workers == 1:
+                web.serve(application, listener)
+        if workers > 1:
             serve_workers(Worker(tuple(served), data, pilot), listener, workers)
 
 

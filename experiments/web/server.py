@@ -6,7 +6,6 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
 
 import uvicorn
 from fastapi import FastAPI
@@ -98,19 +97,13 @@ def base_url(listener: socket.socket) -> str:
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
 
 
-def settings() -> dict[str, Any]:
-    """Return how uvicorn is to run, alike in one process and in several."""
-    # The access log would fill the terminal with a line an answer.
-    return {
-        "log_level": "warning",
-        "access_log": False,
-        "server_header": False,
-        "lifespan": "off",
-    }
-
-
 def _server(app: FastAPI) -> uvicorn.Server:
-    return uvicorn.Server(uvicorn.Config(app, **settings()))
+    # The access log would fill the terminal with a line an answer.
+    return uvicorn.Server(
+        uvicorn.Config(
+            app, log_level="warning", access_log=False, server_header=False, lifespan="off"
+        )
+    )
 
 
 def _wait_until_started(server: uvicorn.Server, thread: threading.Thread) -> None:
