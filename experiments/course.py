@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 
 from algorithms.errors import InputError
-from experiments.adaptive.active_pairs import ActivePairsOfSession
-from experiments.adaptive.tracks import Tracks
 from experiments.designs import Shown, arrange, catch_comparisons
 from experiments.presentations import Answer, Assignment, Phase, Trial
 from experiments.right_answers import is_right
@@ -159,6 +157,10 @@ class AdaptiveCourse(Course):
     """
 
     def __init__(self, study: Study, stimuli: StimulusSet, assignment: Assignment) -> None:
+        # SciPy takes a second to import, which a server of fixed designs need not wait for.
+        from experiments.adaptive.active_pairs import ActivePairsOfSession
+        from experiments.adaptive.tracks import Tracks
+
         self._study, self._stimuli = study, stimuli
         self._seed = [study.design.seed, assignment.participant_number]
         self._rule: Tracks | ActivePairsOfSession
@@ -258,6 +260,8 @@ class AdaptiveCourse(Course):
             self._decided.append(_Decided(Trial(index, "main", shown), detail))
 
     def _learn(self, trial: Trial, answer: Answer) -> None:
+        from experiments.adaptive.active_pairs import ActivePairsOfSession
+
         if isinstance(self._rule, ActivePairsOfSession):
             self._rule.learn(trial.stimuli, first=None if answer is None else answer == 1)
         else:
