@@ -10,6 +10,8 @@ from algorithms.errors import InputError
 from experiments.adaptive.quest_plus import QuestPlusTrack
 from experiments.adaptive.staircase import StaircaseTrack
 from experiments.designs import Shown
+from experiments.presentations import Trial
+from experiments.right_answers import right_answer
 from experiments.study import Study, chosen
 from experiments.study_parts import QuestPlus, Staircase
 from stimuli.manifest import Stimulus, StimulusSet
@@ -114,7 +116,7 @@ def _images(study: Study, stimuli: StimulusSet) -> Mapping[str, ByLevel]:
     """Return the images that have a right answer, by track and level, in the order of the set."""
     tracks: dict[str, dict[float, list[str]]] = {}
     for stimulus in chosen(study, stimuli, "main"):
-        if isinstance(stimulus.answer, int):
+        if right_answer(study, stimuli, Trial(0, "main", (stimulus.id,))) is not None:
             levels = tracks.setdefault(_name(study, stimulus), {})
             levels.setdefault(_level(study, stimulus), []).append(stimulus.id)
     if not tracks:

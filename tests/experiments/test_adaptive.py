@@ -13,13 +13,15 @@ from experiments.adaptive.active_pairs import ScalePosterior
 from experiments.adaptive.quest_plus import QuestPlusTrack
 from experiments.adaptive.staircase import StaircaseTrack, staircase_target
 from experiments.course import course_of, next_trial
-from experiments.observers import psychometric_function
+from experiments.observers import Observer, psychometric_function
 from experiments.presentations import Answer, Assignment
+from experiments.simulation import simulate_rows
 from experiments.study import Study
 from experiments.study_parts import QuestPlus, Staircase
 from experiments.trials import planned_trials
 from stimuli.manifest import StimulusSet
 from tests.adaptive_studies import active_study, adaptive_study, answered
+from tests.comparison_studies import comparison_study
 
 LEVELS = tuple(float(level) for level in range(0, 101, 4))
 
@@ -185,6 +187,34 @@ def test_tracks_of_conditions_are_interleaved_and_end_by_their_rule(
         assert found["sd"] <= 9.0 or found["trials"] == 30
         assert found["trials"] == Counter(tracks)[name]
     assert any(found["trials"] < 30 for found in estimates.values())
+
+
+def with_answer(stimuli: StimulusSet, answer: int) -> StimulusSet:
+    """Return a set with the same right answer everywhere."""
+    content = stimuli.model_dump()
+    for stimulus in content["stimuli"]:
+        stimulus["answer"] = answer
+    return StimulusSet.model_validate(content)
+
+
+def test_judgements_of_single_images_adapt_to_what_is_right(
+    study: Study, drawn_set: StimulusSet
+) -> None:
+    """Yes or no: all images are edited, and seen to be so the more often the higher the level."""
+    content = comparison_study(study, "yes-no").model_dump(mode="json")
+    design = {"kind": "quest-plus", "seed": 5, "quest_plus": {"trials": 150}}
+    level = {"level": "divergence_deg", "conditions": []}
+    asked = Study.model_validate(
+        content | {"design": design, "stimuli": content["stimuli"] | level}
+    )
+    edited = with_answer(drawn_set, 0)
+    rows = simulate_rows(asked, edited, Observer(40, 30), 1, np.random.default_rng(1))
+    course = course_of(asked, edited, Assignment(1), {row.trial_index: row.answer for row in rows})
+    (found,) = (course.estimates() or {})["estimates"].values()
+    assert found["estimate"] == pytest.approx(40, abs=2.5 * found["sd"])
+    assert found["sd"] < 5
+    with pytest.raises(InputError, match="no main stimulus has a right answer"):
+        course_of(asked, with_answer(drawn_set, 5), Assignment(1))
 
 
 def test_active_pairs_cover_every_image_then_ask_what_is_unknown(

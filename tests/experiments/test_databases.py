@@ -8,6 +8,7 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import sqlalchemy as sa
 from alembic.autogenerate import compare_metadata
@@ -17,11 +18,16 @@ from alembic.script import ScriptDirectory
 from algorithms.errors import InputError
 from experiments.answers import Measurement, make_response
 from experiments.database import SCHEMA, open_database
-from experiments.responses import Response, Session
+from experiments.item_observers import ItemObserver
+from experiments.participation import exclude_session
+from experiments.pool import assignment_of, pool_of
+from experiments.responses import POOL, Response, Session
+from experiments.simulation import simulate_in_process
 from experiments.store import ConflictError, NewSession, Store
 from experiments.study import Study
 from experiments.tables import metadata
 from stimuli.manifest import StimulusSet
+from tests.adaptive_studies import adaptive_study
 from tests.postgres import Cluster, programs
 
 SOMEBODY = NewSession(runner="web", device="a browser", demographics={"age": 30}, screen={})
@@ -253,3 +259,24 @@ def test_a_store_that_two_processes_make_at_once_is_made_once(database: str) -> 
     for store in stores:
         assert store.sessions() == []
         store.close()
+
+
+def test_a_session_is_told_what_others_of_its_kind_answered_before(
+    opened: Store, study: Study, drawn_set: StimulusSet
+) -> None:
+    """On both databases: without excluded sessions, people apart from simulated ones."""
+    asked = adaptive_study(study, "active-pairs")
+    observer = ItemObserver({str(level): level / 30 for level in range(0, 91, 10)})
+    generator = np.random.default_rng(1)
+    first, _ = simulate_in_process(asked, drawn_set, opened, observer, 2, generator)
+    rows = opened.responses(study=asked.name)
+    exclude_session(opened, first.id, "asleep")
+    simulate_in_process(asked, drawn_set, opened, observer, 1, generator)
+    opened.begin_session(asked, drawn_set, SOMEBODY)
+    pools = [
+        assignment_of(session, opened.events(session=session.id, kind=POOL)).pool
+        for session in sorted(opened.sessions(), key=lambda each: each.participant_number)
+    ]
+    of_first = pool_of(row for row in rows if row.session == first.id)
+    assert pools == [(), of_first, pool_of(row for row in rows if row.session != first.id), ()]
+    assert sum(count for _, _, count in pools[2]) == 12

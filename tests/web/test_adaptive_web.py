@@ -86,6 +86,27 @@ def test_the_same_post_from_several_connections_is_one_answer(url: str, store: S
     assert len(store.events(kind=DECISION)) == 2
 
 
+def test_two_servers_lead_one_session(
+    url: str, asked: Study, drawn_set: StimulusSet, store: Store
+) -> None:
+    """Answers go to one and the other by turns, as to several processes behind one address."""
+    with (
+        running_server(create_app(asked, drawn_set, store)) as other,
+        httpx.Client(base_url=url) as client,
+        httpx.Client(base_url=other) as another,
+    ):
+        visitor = Visitor(client).begin()
+        beside = Visitor(another, visitor.begun)
+        for index in range(6):
+            here, there = (visitor, beside) if index % 2 else (beside, visitor)
+            reply = here.answer(index)
+            assert reply.status_code == 200, reply.text
+            assert there.answer(index).json() == reply.json()
+            assert there.answer(index, 7).status_code == 409
+    assert [row.answer for row in store.responses()] == [3] * 6
+    assert len(store.events(kind=DECISION)) == 5
+
+
 @pytest.mark.parametrize("kind", ["staircase", "active-pairs"])
 def test_observers_answer_alike_through_http_and_in_process(
     study: Study, drawn_set: StimulusSet, store: Store, kind: str
