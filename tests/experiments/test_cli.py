@@ -122,7 +122,10 @@ def test_altered_stimuli_are_refused(command: str, drawn_set: StimulusSet, tmp_p
         ),
         (["serve", "nothing", "--stimuli", "SET", "--data", "TMP"], "no ready-made study"),
         (["export", "none.sqlite"], "there is no response store"),
-        (["run-lab", STUDY, "--stimuli", "SET", "--data", "TMP"], r"demographics\.age: missing"),
+        (
+            ["run-lab", STUDY, "--stimuli", "SET", "--data", "TMP", "--gender", "other"],
+            r"demographics\.age: missing",
+        ),
         (["new", "A name"], "name: 'A name' given"),
     ],
 )
