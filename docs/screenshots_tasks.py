@@ -1,9 +1,9 @@
-"""Make docs/pictures/tasks-web.jpg, tasks-phone.jpg and tasks-lab.jpg: every comparison task.
+"""Make docs/pictures/tasks-*.jpg: every task that compares, picks or only looks at images.
 
-Run it from the root of the repository, with the folder of the set `caustics`; it needs Chromium,
-Xvfb and xdotool:
+Run it from the root of the repository, with the folders of the sets `caustics` and `divergence`; it
+needs Chromium, Xvfb and xdotool:
 
-    python -m docs.screenshots_tasks CAUSTICS
+    python -m docs.screenshots_tasks CAUSTICS DIVERGENCE
 """
 
 import io
@@ -12,6 +12,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,16 +26,46 @@ from experiments.study import Study, load_study
 from experiments.web import create_app, running_server
 from stimuli.manifest import StimulusSet
 from tests.comparison_studies import as_toml
-from tests.lab.driver import Display, Sitting, open_display, start
+from tests.lab.driver import MOUSE_TRACKER, Display, Sitting, open_display, save_monitor, start
 from tests.web.browser import DESKTOP, PHONE, Participant, open_chromium
 
 PICTURES = Path(__file__).parent / "pictures"
 METHODS = ["photon-mapped", "revolved"]
+KEYS = {"ranking": ("Right", "3", "space"), "pick": ("3", "6")}
 
 
 def main() -> None:
     """Take every study to its first trial and its feedback, and save what is on the screen."""
-    stimulus_set = stimuli.load(Path(sys.argv[1]).resolve())
+    caustics, divergence = (stimuli.load(Path(folder).resolve()) for folder in sys.argv[1:])
+    comparisons(caustics)
+    objects(divergence)
+
+
+def objects(stimulus_set: StimulusSet) -> None:
+    """Save pictures of objects being picked, and of an image that is only looked at."""
+    pick = _objects_study("pick", {"answers": {"picks": [1, 2]}, "practice": {"trials": 1}})
+    view = _objects_study("free-viewing", {"timing": {"image_s": 2}})
+    with open_chromium(shutil.which("chromium") or "chromium") as browser:
+        desk = web(browser, pick, stimulus_set, DESKTOP)
+        phone = web(browser, pick, stimulus_set, PHONE)
+    save("tasks-objects-web", desk, columns=2, width_px=640)
+    save("tasks-objects-phone", phone, columns=3, width_px=320)
+    with open_display() as display:
+        lab = [look for each in (view, pick) for look in window(display, each, stimulus_set)]
+    save("tasks-gaze", lab, columns=2, width_px=640)
+
+
+def _objects_study(task: str, parts: Mapping[str, Any]) -> Study:
+    content: dict[str, Any] = load_study("lights-synthetic").model_dump(mode="json")
+    own = {"name": task, "task": task, "demographics": [], "screen": {}, "exclusion": {}}
+    content |= {"practice": {"trials": 0}} | own | dict(parts)
+    if task == "free-viewing":
+        content["stimuli"]["choices"] = None
+    return Study.model_validate(content)
+
+
+def comparisons(stimulus_set: StimulusSet) -> None:
+    """Save pictures of pairs, judgements and rankings."""
     with open_chromium(shutil.which("chromium") or "chromium") as browser:
         desk = [look for each in studies() for look in web(browser, each, stimulus_set, DESKTOP)]
         phone = [web(browser, each, stimulus_set, PHONE)[0] for each in studies()]
@@ -92,9 +123,17 @@ def web(
         if study.timing.in_turn:
             page.locator("canvas").first.wait_for(state="visible")
             look()
+        if study.task == "pick":
+            page.wait_for_timeout(100)
+            page.keyboard.press("3")
+            page.keyboard.press("6")
+            page.wait_for_timeout(100)
+            look()
         page.locator(".trial footer button:enabled").first.wait_for()
         if study.practice.trials:
-            if study.task == "ranking":
+            if study.task == "pick":
+                participant.press("Done")
+            elif study.task == "ranking":
                 page.locator(".ranked").nth(2).focus()
                 page.keyboard.press("1")
                 page.keyboard.press("Space")
@@ -117,15 +156,23 @@ def window(display: Display, study: Study, stimulus_set: StimulusSet) -> list[Im
         (folder / "study.toml").write_text(as_toml(study), encoding="utf-8")
         store, files = folder / "rows.sqlite", folder / "files"
         sitting = Sitting(folder / "study.toml", stimulus_set.folder, store, files, demographics={})
-        with start(display, sitting) as lab:
+        if study.task == "free-viewing":
+            (folder / "tracker.toml").write_text(MOUSE_TRACKER, encoding="utf-8")
+            save_monitor(folder)
+            known = {"monitor": "lab"}
+            sitting = replace(sitting, tracker=folder / "tracker.toml", settings=known)
+        with start(display, sitting, home=folder) as lab:
             while (page := lab.next_page()) not in ("feedback 0", "trial 1"):
                 time.sleep(0.3)
                 if page == "trial 0":
-                    for key in ("Right", "3", "space") if study.task == "ranking" else ():
+                    for key in KEYS.get(study.task, ()):
                         display.press(key)
                     time.sleep(0.3)
                     looks.append(Image.fromarray(display.screenshot()))
-                display.press("2" if page == "trial 0" and study.task != "ranking" else "Return")
+                if study.task == "free-viewing" and page == "trial 0":
+                    continue
+                chosen = page == "trial 0" and study.task not in KEYS
+                display.press("2" if chosen else "Return")
             if page == "feedback 0":
                 looks.append(Image.fromarray(display.screenshot()))
         return looks

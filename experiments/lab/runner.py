@@ -220,6 +220,8 @@ class _Run:
     def _show_trials(self) -> None:
         asks = self.study.task != "free-viewing"  # a text beside the image would draw the eyes
         surround = prepare_surround(self.window, self.study.question if asks else None)
+        if not asks:
+            self.window.hide_pointer()
         before: Trial | None = None
         while (trial := self.course.next) is not None:
             if before is not None and before.phase == "practice" != trial.phase:

@@ -169,6 +169,10 @@ class LabWindow:
         """PsychoPy's own window, for its other parts."""
         return self._window
 
+    def hide_pointer(self) -> None:
+        """Show the mouse's pointer no more, where nothing is clicked and it would draw the eyes."""
+        self._window.mouseVisible = False
+
     def check_screen(self) -> None:
         """Check that the window is on the screen asked for; PsychoPy takes the first if not.
 

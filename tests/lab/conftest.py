@@ -1,8 +1,5 @@
 """A display, a short study on it, and one sitting taken to the end for several tests to look at."""
 
-import os
-import subprocess
-import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +14,7 @@ from experiments.study import Study
 from experiments.trials import Assignment, Trial, planned_trials
 from stimuli.manifest import StimulusSet
 from tests.drawn_set import draw_set
-from tests.lab.driver import Display, Sitting, open_display, start, take_study
+from tests.lab.driver import Display, Sitting, open_display, save_monitor, start, take_study
 
 PHOTODIODE = Photodiode("bottom-right", 30)
 
@@ -98,16 +95,7 @@ def sitting(few: StimulusSet, tmp_path: Path) -> Sitting:
 def monitors(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A home directory whose Monitor Center knows the monitor `lab`: 53 cm, 60 cm, gamma 2.2."""
     home = tmp_path_factory.mktemp("home")
-    make = (
-        "from psychopy import monitors; monitor = monitors.Monitor('lab', width=53, distance=60,"
-        " gamma=2.2); monitor.setSizePix((1280, 800)); monitor.save()"
-    )
-    subprocess.run(
-        [sys.executable, "-c", make],
-        env=os.environ | {"HOME": str(home)},
-        check=True,
-        capture_output=True,
-    )
+    save_monitor(home)
     return home
 
 

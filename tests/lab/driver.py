@@ -4,11 +4,12 @@ import json
 import os
 import queue
 import shutil
+import signal
 import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -79,6 +80,24 @@ def open_display(width_px: int = 1280, height_px: int = 800) -> Iterator[Display
                 yield Display(f":{pipe.readline().strip()}")
         finally:
             server.terminate()
+
+
+MOUSE_TRACKER = """
+["eyetracker.hw.mouse.EyeTracker"]
+runtime_settings = { sampling_rate = 100 }
+"""
+"""The mouse in place of an eye tracker, as `--eye-tracker` takes it."""
+
+
+def save_monitor(home: Path) -> None:
+    """Let the Monitor Center of a home know the monitor `lab`: 53 cm, 60 cm, gamma 2.2."""
+    make = (
+        "from psychopy import monitors; monitor = monitors.Monitor('lab', width=53, distance=60,"
+        " gamma=2.2); monitor.setSizePix((1280, 800)); monitor.save()"
+    )
+    environment = os.environ | {"HOME": str(home)}
+    command = [sys.executable, "-c", make]
+    subprocess.run(command, env=environment, check=True, capture_output=True)
 
 
 @dataclass(frozen=True)
@@ -170,11 +189,13 @@ def start(
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        start_new_session=True,
     ) as process:
         try:
             yield LabProcess(process)
         finally:
-            process.kill()
+            with suppress(ProcessLookupError):  # with the eye tracker's process, which would stay
+                os.killpg(process.pid, signal.SIGKILL)
 
 
 def image_area(screenshot: NDArray[np.uint8]) -> Area:

@@ -42,6 +42,7 @@ from tests.conftest import require
 from tests.drawn_set import HEIGHT_PX, WIDTH_PX, draw_set
 from tests.lab.driver import (
     DRAWN_BACKGROUND,
+    MOUSE_TRACKER,
     Display,
     LabProcess,
     Sitting,
@@ -67,10 +68,6 @@ TIMINGS = {
 LAB_ONLY = ("free-viewing",)
 # The mouse stands for the eyes while objects are picked, and while images are looked at.
 TRACKED = ("pick", "free-viewing")
-TRACKER = """
-["eyetracker.hw.mouse.EyeTracker"]
-runtime_settings = { sampling_rate = 100 }
-"""
 PICKS = (1, 2)
 ACTIVE: dict[str, Any] = {"kind": "active-pairs", "active_pairs": {"trials": 6}}
 
@@ -131,7 +128,7 @@ def in_window(
 ) -> Path:
     """The store of the lab's window after the same answers."""
     folder = tmp_path_factory.mktemp("window")
-    (folder / "tracker.toml").write_text(TRACKER, encoding="utf-8")
+    (folder / "tracker.toml").write_text(MOUSE_TRACKER, encoding="utf-8")
     sittings = []
     for study in studies:
         file = folder / f"{study.name}.toml"
