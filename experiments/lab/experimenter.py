@@ -4,13 +4,13 @@ It is a process of its own: it can neither delay the participant's frames nor en
 """
 
 import json
+import os
 import queue
 import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from typing import IO
 
 from algorithms.errors import InputError, UserError
 from experiments.lab.geometry import Area
@@ -46,7 +46,9 @@ def experimenter_window(screen: int) -> Iterator[Callable[[Status], None]]:
         If the window cannot be opened there.
     """
     with subprocess.Popen(
-        [sys.executable, "-m", __name__, str(screen)],
+        # Our own modules, whatever lies in the folder where the command was given.
+        [sys.executable, "-P", "-m", __name__, str(screen)],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -59,18 +61,18 @@ def experimenter_window(screen: int) -> Iterator[Callable[[Status], None]]:
             said = process.stderr.read().strip().splitlines() or ["it could not be opened"]
             raise InputError(f"experimenter_screen: {said[-1]}")
         threading.Thread(target=process.stderr.read, daemon=True).start()
+        pipe = process.stdin.fileno()
+        os.set_blocking(pipe, False)
         try:
-            yield lambda status: _tell(process.stdin, status)
+            yield lambda status: _tell(pipe, status)
         finally:
-            with suppress(BrokenPipeError):
-                process.stdin.close()
+            process.stdin.close()
 
 
-def _tell(pipe: IO[str] | None, status: Status) -> None:
-    assert pipe is not None
-    with suppress(BrokenPipeError):  # the experimenter has closed the window
-        pipe.write(json.dumps(vars(status)) + "\n")
-        pipe.flush()
+def _tell(pipe: int, status: Status) -> None:
+    # The experimenter may have closed the window, and a window that hangs is not waited for.
+    with suppress(BrokenPipeError, BlockingIOError):
+        os.write(pipe, json.dumps(vars(status)).encode() + b"\n")
 
 
 def main(screen: int) -> None:
