@@ -66,7 +66,7 @@ def study_progress(store: Store, study: Study, stimuli: StimulusSet) -> dict[str
 
 
 def _completed(sessions: list[Session]) -> int:
-    return sum(session.completed_at is not None for session in sessions)
+    return sum(one.completed_at is not None and one.withdrawn_at is None for one in sessions)
 
 
 def _trial_count(study: Study, stimuli: StimulusSet) -> int:

@@ -5,10 +5,7 @@ import es from "../messages/es.json";
 
 export type MessageKey = keyof typeof en;
 
-/** The researcher's page is in English alone. */
-type ParticipantKey = Exclude<MessageKey, `researcher.${string}`>;
-
-const TRANSLATIONS: Record<string, Record<ParticipantKey, string>> = { en, es };
+const TRANSLATIONS: Record<string, Record<MessageKey, string>> = { en, es };
 
 let texts: Partial<Record<MessageKey, string>> = en;
 

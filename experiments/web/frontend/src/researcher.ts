@@ -2,12 +2,14 @@
 
 import { getBlob, getJson, post } from "./api";
 import { element } from "./dom";
-import { type MessageKey, message } from "./messages";
+import { type MessageKey, message, setLanguage } from "./messages";
 import { clock, type Progress, progressView, type SessionProgress } from "./pages/progress";
 import { ApiError } from "./retry";
 import "./styles/base.css";
 import "./styles/pages.css";
 import "./styles/researcher.css";
+
+setLanguage(navigator.language);
 
 const POLL_S = 2;
 

@@ -10,7 +10,7 @@ import { message } from "../messages";
 
 /** Bank cards, by ISO/IEC 7810 (ID-1). */
 const CARD_MM = { long: 85.6, short: 53.98 };
-const CARD_PX = { least: 120, first: 320 };
+const CARD_PX = { least: 120, first: 320, most: 900 };
 /** In windows narrower than this the card stands upright. */
 const UPRIGHT_BELOW_PX = 640;
 /** From the point that one looks at to the centre of the blind spot, as in the paper. */
@@ -43,7 +43,7 @@ async function matchCard(root: HTMLElement): Promise<number> {
     type: "range",
     id: "card-width",
     min: String(CARD_PX.least),
-    max: String(Math.max(CARD_PX.first, Math.min(900, document.documentElement.clientWidth - 64))),
+    max: String(CARD_PX.most),
     step: "1",
     value: String(CARD_PX.first),
   });
@@ -58,10 +58,11 @@ async function matchCard(root: HTMLElement): Promise<number> {
     element("p", {}, message(upright ? "card.upright" : "card.text")),
     element("label", { for: "card-width" }, message("card.slider")),
     slider,
-    card,
     go,
+    card,
   );
   page.classList.add("wide");
+  slider.max = String(Math.min(CARD_PX.most, Math.floor(slider.clientWidth))); // what there is room for
   follow();
   await pressed(go);
   return Number(slider.value) / (upright ? CARD_MM.short : CARD_MM.long);
