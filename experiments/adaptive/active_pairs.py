@@ -163,6 +163,7 @@ class ActivePairsOfSession:
         """Return the qualities by image in just-objectionable differences, their mean 0."""
         posterior = ScalePosterior(self._wins, self._rule.spread / _NOISE_JOD, self._qualities)
         qualities = _NOISE_JOD * (posterior.qualities - posterior.qualities.mean())
+        qualities = np.round(qualities, _DIGITS)
         return dict(zip(self.possible, qualities.tolist(), strict=True))
 
     def _placed(self, generator: np.random.Generator) -> Shown:

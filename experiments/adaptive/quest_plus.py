@@ -82,7 +82,8 @@ class QuestPlusTrack:
 
     def _moments(self) -> tuple[float, float]:
         mean = float(self._posterior @ self._thresholds)
-        return mean, float(np.sqrt(self._posterior @ (self._thresholds - mean) ** 2))
+        sd = float(np.sqrt(self._posterior @ (self._thresholds - mean) ** 2))
+        return round(mean, _DIGITS), round(sd, _DIGITS)
 
 
 def _entropy_left(joint: Floats) -> Floats:

@@ -238,6 +238,32 @@ def test_active_pairs_cover_every_image_then_ask_what_is_unknown(
     assert set(reasons) == {"coverage", "information"}
 
 
+def test_catch_trials_stand_among_active_pairs_and_teach_nothing(
+    study: Study, drawn_set: StimulusSet
+) -> None:
+    content = active_study(study, trials=20).model_dump(mode="json")
+    catch = {"better": "90", "worse": "0", "trials": 1}
+    caught = Study.model_validate(
+        content
+        | {"catch": catch, "exclusion": {"least_catch_share": 0.5}}
+        | {"stimuli": content["stimuli"] | {"only": {"material": ["diffuse"]}}}
+    )
+    places = set()
+    for number in range(1, 9):
+        course = course_of(caught, drawn_set, Assignment(number))
+        assert course.limit == 21
+        while (trial := course.next) is not None:
+            course.take(trial.index, 1)
+        (place,) = (trial.index for trial in course.trials if trial.phase == "catch")
+        levels = [drawn_set[e].factors["divergence_deg"] for e in course.trials[place].stimuli]
+        assert set(levels) == {0, 90}
+        assert course.decision(place) is None
+        counts = [(course.decision(n) or {}).get("comparisons") for n in range(21) if n != place]
+        assert counts == list(range(20))
+        places.add(place)
+    assert len(places) > 3
+
+
 def test_what_others_answered_changes_what_is_asked(study: Study, drawn_set: StimulusSet) -> None:
     asked = active_study(study, trials=10, each_image=1)
     images = sorted(course_of(asked, drawn_set, Assignment(1)).possible)

@@ -9,8 +9,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from algorithms.errors import InputError
+from experiments.course import course_of
 from experiments.study import READY_MADE, check_stimuli, load_study
-from experiments.trials import Assignment, planned_trials
+from experiments.trials import Assignment
 from stimuli.manifest import StimulusSet
 from tests.comparison_studies import as_toml_text
 from tests.drawn_studies import draw_for
@@ -23,6 +24,7 @@ anything = st.one_of(
     st.booleans(),
     st.text(max_size=8),
     st.sampled_from(["method", "object", "pairs", "sets", "ranking", "yes-no", "es", "main"]),
+    st.sampled_from(["staircase", "quest-plus", "active-pairs"]),
     st.lists(st.one_of(st.integers(0, 3), st.text(max_size=3)), max_size=3),
     st.dictionaries(st.sampled_from(["method", "trials", "x"]), st.integers(0, 3), max_size=2),
 )
@@ -69,7 +71,7 @@ def fault_of(file: Path, stimuli: StimulusSet) -> str:
     try:
         study = load_study(file)
         check_stimuli(study, stimuli)
-        planned_trials(study, stimuli, Assignment(1))
+        course_of(study, stimuli, Assignment(1))
     except InputError as error:
         return str(error)
     return ""
