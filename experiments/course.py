@@ -266,4 +266,4 @@ class AdaptiveCourse(Course):
             self._rule.learn(trial.stimuli, first=None if answer is None else answer == 1)
         else:
             right = is_right(self._study, self._stimuli, trial, answer) is True
-            self._rule.learn(trial.stimuli, right=right)
+            self._rule.learn(right=right)

@@ -17,9 +17,8 @@ Shown = tuple[str, ...]
 
 def arrange(study: Study, stimuli: Sequence[Stimulus]) -> list[Shown]:
     """Return all presentations of a study's design, in the order of the set."""
-    return {"pairs": _pairs, "active-pairs": _pairs, "sets": _sets}.get(study.design.kind, _single)(
-        study, stimuli
-    )
+    by_task = {"two-alternative": _pairs, "ranking": _sets}
+    return by_task.get(study.task, _single)(study, stimuli)
 
 
 def catch_comparisons(

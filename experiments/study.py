@@ -46,7 +46,7 @@ __all__ = [
 _DESIGNS_OF_TASK: dict[Task, tuple[str, ...]] = {
     "odd-one-out": ("factorial", "staircase", "quest-plus"),
     "yes-no": ("factorial", "staircase", "quest-plus"),
-    "two-alternative": ("pairs", "active-pairs"),
+    "two-alternative": ("pairs", "staircase", "quest-plus", "active-pairs"),
     "ranking": ("sets",),
     "pick": ("factorial",),
     "free-viewing": ("factorial",),
@@ -205,6 +205,11 @@ class Study(Part):
             if self.task not in tasks and not self._is_default(*name.split(".")):
                 raise ValueError(f"{name}: the task {self.task} has no use for it")
         rule = self.exclusion
+        if self.design.kind in ("staircase", "quest-plus"):
+            if self.task == "two-alternative" and not self.practice.best_first:
+                raise ValueError("practice.best_first: missing; it says which of two is right")
+            if self.catch is not None:
+                raise ValueError(f"catch: a design of kind {self.design.kind!r} has no use for it")
         if self.catch is not None and rule.least_catch_share is None:
             raise ValueError("exclusion.least_catch_share: missing; there are catch trials")
         if self.catch is None and (rule.catch_level is None) != (rule.least_catch_share is None):

@@ -9,14 +9,14 @@ import numpy as np
 from algorithms.errors import InputError
 from experiments.adaptive.quest_plus import QuestPlusTrack
 from experiments.adaptive.staircase import StaircaseTrack
-from experiments.designs import Shown
+from experiments.designs import Shown, arrange
 from experiments.presentations import Trial
 from experiments.right_answers import right_answer
 from experiments.study import Study, chosen
 from experiments.study_parts import QuestPlus, Staircase
 from stimuli.manifest import Stimulus, StimulusSet
 
-ByLevel = Mapping[float, Sequence[str]]
+ByLevel = Mapping[float, Sequence[Shown]]
 
 
 class Track(Protocol):
@@ -53,17 +53,18 @@ class Tracks:
     """
 
     def __init__(self, study: Study, stimuli: StimulusSet) -> None:
-        self._images = _images(study, stimuli)
+        self._presentations = _presentations(study, stimuli)
         make, trials = _maker(study)
-        self._tracks = {name: make(sorted(levels)) for name, levels in self._images.items()}
+        self._tracks = {name: make(sorted(found)) for name, found in self._presentations.items()}
         self.limit = trials * len(self._tracks)
         self.possible = tuple(
             identifier
-            for levels in self._images.values()
-            for identifiers in levels.values()
-            for identifier in identifiers
+            for levels in self._presentations.values()
+            for presentations in levels.values()
+            for shown in presentations
+            for identifier in shown
         )
-        self._shown: Counter[str] = Counter()
+        self._shown: Counter[Shown] = Counter()
         self._asked: tuple[Track, float] | None = None
 
     def choose(
@@ -71,8 +72,8 @@ class Tracks:
     ) -> tuple[Shown, dict[str, Any]] | None:
         """Return what to show next and why, or None when every track has ended.
 
-        Of a level's images one is drawn of those shown least, no image twice in a row where there
-        is another.
+        Of a level's images, or pairs in either order, one is drawn of those shown least, no image
+        twice in a row where there is another.
         """
         running = [name for name, track in self._tracks.items() if not track.done]
         if not running:
@@ -80,20 +81,22 @@ class Tracks:
         name = running[int(generator.integers(len(running)))]
         track = self._tracks[name]
         level = track.choose()
-        images = self._images[name][level]
-        fresh = [image for image in images if image not in before] or images
-        least = min(self._shown[image] for image in fresh)
-        likely = [image for image in fresh if self._shown[image] == least]
-        image = likely[int(generator.integers(len(likely)))]
+        there = self._presentations[name][level]
+        fresh = [shown for shown in there if not {*shown} & {*before}] or there
+        least = min(self._shown[shown] for shown in fresh)
+        likely = [shown for shown in fresh if self._shown[shown] == least]
+        shown = likely[int(generator.integers(len(likely)))]
+        self._shown[shown] += 1
         self._asked = track, level
-        return (image,), {"track": name, "level": level, **track.estimate()}
+        if len(shown) == 2 and generator.integers(2):
+            shown = shown[::-1]
+        return shown, {"track": name, "level": level, **track.estimate()}
 
-    def learn(self, shown: Shown, *, right: bool) -> None:
+    def learn(self, *, right: bool) -> None:
         """Take the answer to what was chosen last."""
         assert self._asked is not None
         track, level = self._asked
         track.learn(level, right=right)
-        self._shown.update(shown)
 
     def estimates(self) -> dict[str, dict[str, float | int | None]]:
         """Return what is known of each track's threshold, and after how many trials."""
@@ -112,13 +115,18 @@ def _maker(study: Study) -> tuple[Callable[[Sequence[float]], Track], int]:
     return lambda levels: QuestPlusTrack(quest, levels, study.guess_rate), quest.trials
 
 
-def _images(study: Study, stimuli: StimulusSet) -> Mapping[str, ByLevel]:
-    """Return the images that have a right answer, by track and level, in the order of the set."""
-    tracks: dict[str, dict[float, list[str]]] = {}
-    for stimulus in chosen(study, stimuli, "main"):
-        if right_answer(study, stimuli, Trial(0, "main", (stimulus.id,))) is not None:
-            levels = tracks.setdefault(_name(study, stimulus), {})
-            levels.setdefault(_level(study, stimulus), []).append(stimulus.id)
+def _presentations(study: Study, stimuli: StimulusSet) -> Mapping[str, ByLevel]:
+    """Return the presentations that have a right answer, by track and level, as the set has them.
+
+    The level of a pair is how far its images' levels lie apart; both are of one track.
+    """
+    tracks: dict[str, dict[float, list[Shown]]] = {}
+    for shown in arrange(study, chosen(study, stimuli, "main")):
+        names = {_name(study, stimuli[each]) for each in shown}
+        if len(names) == 1 and right_answer(study, stimuli, Trial(0, "main", shown)) is not None:
+            levels = [_level(study, stimuli[each]) for each in shown]
+            level = levels[0] if len(levels) == 1 else abs(levels[0] - levels[1])
+            tracks.setdefault(names.pop(), {}).setdefault(level, []).append(shown)
     if not tracks:
         raise InputError("stimuli.set: no main stimulus has a right answer to adapt to")
     for name, by_level in tracks.items():

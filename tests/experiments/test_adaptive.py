@@ -13,6 +13,7 @@ from experiments.adaptive.active_pairs import ScalePosterior
 from experiments.adaptive.quest_plus import QuestPlusTrack
 from experiments.adaptive.staircase import StaircaseTrack, staircase_target
 from experiments.course import course_of, next_trial
+from experiments.item_observers import ItemObserver
 from experiments.observers import Observer, psychometric_function
 from experiments.presentations import Answer, Assignment
 from experiments.simulation import simulate_rows
@@ -215,6 +216,36 @@ def test_judgements_of_single_images_adapt_to_what_is_right(
     assert found["sd"] < 5
     with pytest.raises(InputError, match="no main stimulus has a right answer"):
         course_of(asked, with_answer(drawn_set, 5), Assignment(1))
+
+
+def test_pairs_adapt_by_how_far_they_lie_apart(study: Study, drawn_set: StimulusSet) -> None:
+    """Recovery: 75 % prefer the image with 30 degrees more, so 84.1 % that with 44 degrees more."""
+    content = active_study(study).model_dump(mode="json")
+    asked = Study.model_validate(
+        content
+        | {"design": {"kind": "staircase", "seed": 5, "staircase": {"down": 4, "trials": 60}}}
+        | {"stimuli": content["stimuli"] | {"level": "divergence_deg", "conditions": ["material"]}}
+        | {"practice": {"trials": 0, "best_first": [str(level) for level in range(90, -1, -10)]}}
+    )
+    observer = ItemObserver({str(level): level / 30 for level in range(0, 91, 10)}, lapse_rate=0)
+    rows = simulate_rows(asked, drawn_set, observer, 8, np.random.default_rng(1))
+    found, higher_first = [], []
+    for number in range(1, 9):
+        own = [row for row in rows if row.participant == f"P{number:04d}"]
+        answers = {row.trial_index: row.answer for row in own}
+        course = course_of(asked, drawn_set, Assignment(number), answers)
+        for trial in course.trials:
+            first, second = (drawn_set[each].factors for each in trial.stimuli)
+            levels = [float(each["divergence_deg"]) for each in (first, second)]
+            assert (course.decision(trial.index) or {})["level"] == abs(levels[0] - levels[1])
+            assert first["material"] == second["material"]
+            higher_first.append(levels[0] > levels[1])
+        found += [each["estimate"] for each in (course.estimates() or {})["estimates"].values()]
+    assert len(found) == 16
+    assert np.mean(found) == pytest.approx(44, abs=5)
+    assert np.mean(higher_first) == pytest.approx(0.5, abs=0.06)
+    with pytest.raises(ValueError, match=r"practice\.best_first: missing"):
+        Study.model_validate(asked.model_dump(mode="json") | {"practice": {"trials": 0}})
 
 
 def test_active_pairs_cover_every_image_then_ask_what_is_unknown(
