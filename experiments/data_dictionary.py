@@ -92,7 +92,11 @@ _SESSIONS = (
 )
 _EVENTS = (
     _SESSION,
-    Column("kind", "text", "what happened: blur, resize, resume, exclusion, withdrawal, ..."),
+    Column(
+        "kind",
+        "text",
+        "what happened: blur, resize, resume, exclusion, withdrawal, pool, decision, ...",
+    ),
     Column("detail", "text", "more of it, as JSON"),
     _RECORDED,
     Column("simulated", "boolean", "as in sessions"),

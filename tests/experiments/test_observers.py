@@ -8,6 +8,7 @@ import pytest
 from scipy import stats
 
 from algorithms.errors import InputError
+from experiments.item_observers import ItemObserver
 from experiments.observers import Observer, psychometric_function, simulate_responses
 from experiments.responses import Response
 from experiments.study import Study
@@ -222,3 +223,24 @@ def test_picks_are_as_likely_as_their_model_says(study: Study, drawn_set: Stimul
     # Both noticed; one noticed and the other guessed of seven; none noticed and both guessed.
     assert_binomial(exact, 2000, 0.25 + 0.5 * 0.5 / 7 + 0.25 * 0.5 / 28)
     assert_binomial(sum(answer in {(a,) for a in range(1, 9)} for answer in answers), 2000, 0.375)
+
+
+def test_who_tires_lapses_more_often_towards_the_end(study: Study, drawn_set: StimulusSet) -> None:
+    """Theory: at plain levels the share of wrong answers grows by the fatigue per 100 trials."""
+    plain = study.model_copy(
+        update={
+            "design": study.design.model_copy(update={"repeats": 4}),
+            "stimuli": study.stimuli.model_copy(update={"only": {"divergence_deg": (80, 90)}}),
+        }
+    )
+    tired = Observer(threshold=10, width=1, lapse_rate=0.0, fatigue=0.6)
+    rows = simulate_responses(plain, drawn_set, tired, 200, np.random.default_rng(1))
+    main = rows[rows["phase"] == "main"]
+    wrong = [
+        answer != drawn_set[shown[0]].answer
+        for answer, shown in zip(main["answer"], main["stimuli"], strict=True)
+    ]
+    slope, _ = np.polyfit(main["trial_index"].to_numpy(float), np.array(wrong, float), 1)
+    assert slope == pytest.approx(0.006, abs=0.0008)
+    assert tired.after(10_000).lapse_rate == 0.5
+    assert ItemObserver({}, lapse_rate=0.1, fatigue=0.5).after(50).lapse_rate == pytest.approx(0.35)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from algorithms.errors import InputError
 from experiments.cli import app
 from experiments.collection import load_collection, write_bundle
 from experiments.item_observers import ItemObserver
@@ -20,6 +21,7 @@ from experiments.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.adaptive_studies import adaptive_study
+from tests.comparison_studies import as_toml
 
 OBSERVERS: dict[str, Observer | ItemObserver] = {
     "staircase": Observer(40, 30),
@@ -138,3 +140,31 @@ def test_what_was_altered_is_found(
     assert [name for name, difference in found.items() if difference] == [session]
     assert re.match(expected, str(found[session]))
     assert replayed(altered, f"{kind}.P0001.1")[0] == 0
+
+
+def test_the_command_fills_a_store_for_each_run(
+    study: Study, drawn_set: StimulusSet, tmp_path: Path
+) -> None:
+    """Run n has the seed plus n - 1; a run that is there already is not added to."""
+    (tmp_path / "study.toml").write_text(as_toml(adaptive_study(study, "quest-plus")))
+    common = ["simulate", str(tmp_path / "study.toml"), "--stimuli", str(drawn_set.folder)]
+    common += ["--participants", "1", "--in-process", "--json", "--data"]
+
+    def answers(data: Path, *options: str) -> list[object]:
+        told = CliRunner().invoke(app, [*common, str(data), *options])
+        assert told.exit_code == 0, told.output
+        stores = json.loads(told.stdout).get("stores", [str(data)])
+        with_seeds = [load_collection(store).responses for store in stores]
+        return [[row.answer for row in rows] for rows in with_seeds]
+
+    first, second = answers(tmp_path / "runs.sqlite", "--repeat", "2", "--seed", "7")
+    assert first != second
+    assert answers(tmp_path / "alone.sqlite", "--seed", "8") == [second]
+    for options, message in (
+        ([str(tmp_path / "runs.sqlite"), "--repeat", "2"], "already there"),
+        (["postgresql://localhost/none", "--repeat", "2"], "a SQLite file accepted"),
+        (["x.sqlite", "--url", "http://localhost"], "no --url"),
+    ):
+        refused = CliRunner().invoke(app, [*common, *options])
+        assert isinstance(refused.exception, InputError)
+        assert message in str(refused.exception)
