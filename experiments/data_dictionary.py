@@ -95,7 +95,7 @@ _EVENTS = (
     Column(
         "kind",
         "text",
-        "what happened: blur, resize, resume, exclusion, withdrawal, pool, decision, ...",
+        "what happened: blur, resize, resume, exclusion, withdrawal, gaze, pool, decision, ...",
     ),
     Column("detail", "text", "more of it, as JSON"),
     _RECORDED,
