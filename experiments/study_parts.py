@@ -371,7 +371,7 @@ class Screen(Part):
     def _check_distance(self) -> Self:
         """Refuse a distance without the size of a pixel."""
         if self.distance and not self.calibrate:
-            raise ValueError("screen.distance: needs calibrate = true")
+            raise ValueError("distance: needs calibrate = true")
         return self
 
 
@@ -414,17 +414,16 @@ class Recruitment(Part):
     def _check_address(self) -> Self:
         """Refuse what is no address, and what nothing is known of."""
         if len(set(self.parameters)) < len(self.parameters):
-            raise ValueError("recruitment.parameters: each once")
+            raise ValueError("parameters: each once accepted")
         if self.completion_url is None:
             return self
         if not re.match(r"https?://[^\s{}/]+(/|$)", self.completion_url):
-            raise ValueError("recruitment.completion_url: an http(s) address accepted")
+            raise ValueError("completion_url: an http(s) address accepted")
         known = {*self.parameters, "completion_code"}
         for name in re.findall(r"\{(.*?)\}", self.completion_url):
             if name not in known:
                 raise ValueError(
-                    f"recruitment.completion_url: {{{name}}} given, accepted:"
-                    f" {', '.join(sorted(known))}"
+                    f"completion_url: {{{name}}} given, accepted: {', '.join(sorted(known))}"
                 )
         return self
 

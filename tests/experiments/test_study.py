@@ -61,6 +61,22 @@ WRONG = [
     (_TASK, 'task = "pick"\nanswers.picks = [2, 1]', r"answers\.picks: \[2, 1\] given"),
     (_TASK, 'task = "pick"\nanswers.picks = [1, 9]', r"answers\.picks: \[1, 9\] given"),
     (_TASK, _TASK + "\nanswers.picks = [1, 1]", r"answers\.picks: the task odd-one-out"),
+    ("minimum_width_px = 640", 'color_gamut = "adobe"', r"screen\.color_gamut"),
+    ("minimum_width_px = 640", 'rule = "warn"', r"screen\.rule"),
+    ("minimum_width_px = 640", "distance = true", "screen: distance: needs calibrate"),
+    ("[stopping]", "[stopping]\nabandoned_after_s = 0", r"stopping\.abandoned_after_s"),
+    ("[stopping]", '[recruitment]\nparameters = ["a b"]\n[stopping]', r"recruitment\.parameters"),
+    ("[stopping]", '[recruitment]\nparameters = ["a", "a"]\n[stopping]', "recruitment: parameters"),
+    (
+        "[stopping]",
+        '[recruitment]\ncompletion_url = "done"\n[stopping]',
+        "recruitment: completion_url: an http",
+    ),
+    (
+        "[stopping]",
+        '[recruitment]\ncompletion_url = "https://a.example/{PID}"\n[stopping]',
+        r"recruitment: completion_url: \{PID\} given, accepted: completion_code",
+    ),
     (
         "[stopping]",
         "[analysis]\nequivalence_margin = 0.1\n[stopping]",

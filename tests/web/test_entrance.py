@@ -247,5 +247,10 @@ def test_studies_on_one_server_know_nothing_of_each_other(
         assert client.get("/").status_code == 404
         assert client.get("/s/pairs/").status_code in (200, 503)
         assert client.get("/s/nothing/").status_code == 404
+    sets = ["--stimuli", str(tiny.folder)] * 3
+    with pytest.raises(ValueError, match="stimuli: given 3 times for 2 studies"):
+        CliRunner().invoke(
+            app, ["serve", STUDY, STUDY, *sets, "--data", "none"], catch_exceptions=False
+        )
     with pytest.raises(ValueError, match=f"study: {STUDY} is given twice"):
         create_site([(study, tiny), (study, tiny)], store)
