@@ -23,7 +23,7 @@ import stimuli.cli
 from algorithms.errors import UserError
 
 if TYPE_CHECKING:
-    from experiments.store import Store
+    from experiments.storage.store import Store
     from experiments.study import Study
     from stimuli.manifest import StimulusSet
 
@@ -60,7 +60,7 @@ def demo(
     Run again in the same folder, it goes on where it was and simulates nobody twice.
     """
     from experiments import web
-    from experiments.store import Store
+    from experiments.storage.store import Store
     from experiments.study import load_study
 
     study = load_study("lights-synthetic")
@@ -94,7 +94,7 @@ def _simulate_missing(
     seed: int,
 ) -> None:
     """Simulate as many participants as the store lacks."""
-    from experiments.observers import Observer
+    from experiments.simulated.observers import Observer
     from experiments.web.simulate import simulate_over_http
 
     observer = Observer(

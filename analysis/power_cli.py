@@ -51,7 +51,7 @@ def power(
     from analysis.figures.style import figure_bytes
     from analysis.power import power_curve
     from analysis.study_power import study_run
-    from experiments.observer_options import observer_of
+    from experiments.simulated.observer_options import observer_of
     from experiments.study import check_stimuli, load_study
     from stimuli.manifest import load
 

@@ -12,9 +12,9 @@ from analysis.answers.trials import trial_table
 from analysis.judgements.preference_pairs import item_preferences
 from analysis.power import Outcome, Run
 from analysis.thresholds.condition_differences import condition_differences
-from experiments.observers import Observer, simulate_responses
 from experiments.responses import responses_frame
-from experiments.simulation import AnyObserver, simulate_rows
+from experiments.simulated.observers import Observer, simulate_responses
+from experiments.simulated.simulation import AnyObserver, simulate_rows
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 

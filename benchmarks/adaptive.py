@@ -23,13 +23,13 @@ from scipy.special import ndtri
 from scipy.stats import spearmanr
 
 from benchmarks.results import machine, write_result
-from experiments.adaptive.active_pairs import ScalePosterior
-from experiments.adaptive.quest_plus import QuestPlusTrack
-from experiments.adaptive.staircase import StaircaseTrack, staircase_target
-from experiments.item_observers import NOISE_OF_A_DIFFERENCE, ItemObserver
+from experiments.planning.adaptive.active_pairs import ScalePosterior
+from experiments.planning.adaptive.quest_plus import QuestPlusTrack
+from experiments.planning.adaptive.staircase import StaircaseTrack, staircase_target
 from experiments.psychometric import psychometric_function
 from experiments.responses import Response
-from experiments.simulation import simulate_rows
+from experiments.simulated.item_observers import NOISE_OF_A_DIFFERENCE, ItemObserver
+from experiments.simulated.simulation import simulate_rows
 from experiments.study import Study
 from experiments.study_parts import QuestPlus, Staircase
 from stimuli.manifest import Stimulus, StimulusSet

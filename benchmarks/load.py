@@ -27,8 +27,8 @@ import uvloop
 
 from benchmarks.load_participants import Participant, Served, free_port, start
 from benchmarks.results import machine, write_result
-from experiments.database import open_database
-from experiments.store import NewSession, Store
+from experiments.storage.database import open_database
+from experiments.storage.store import NewSession, Store
 from experiments.study import READY_MADE, Study, load_study
 from stimuli.manifest import StimulusSet
 from tests.drawn_set import draw_set

@@ -19,7 +19,7 @@ from typing import Any, Final
 import numpy as np
 
 from benchmarks.results import machine, write_result
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import load_study
 from experiments.web import create_app, running_server
 from tests.drawn_set import draw_set

@@ -27,7 +27,7 @@ from analysis.bootstrap import Matrix, sum_by_participant
 from analysis.estimates import Estimate, to_json
 from analysis.thresholds.bayesian_fit import GRID_STEPS, fit_threshold
 from analysis.thresholds.over_participants import participant_interval
-from experiments.observers import Observer, psychometric_function, simulate_responses
+from experiments.simulated.observers import Observer, psychometric_function, simulate_responses
 from experiments.study import load_study
 from stimuli.manifest import StimulusSet, load
 from tests.drawn_set import draw_set

@@ -18,12 +18,12 @@ from typing import Any, get_args
 import numpy as np
 
 from benchmarks.results import machine, write_result
-from experiments.item_observers import ItemObserver
-from experiments.observers import Observer, simulate_responses
-from experiments.simulation import simulate_in_process
-from experiments.store import Store
+from experiments.planning.trials import Assignment, planned_trials
+from experiments.simulated.item_observers import ItemObserver
+from experiments.simulated.observers import Observer, simulate_responses
+from experiments.simulated.simulation import simulate_in_process
+from experiments.storage.store import Store
 from experiments.study import Study, Task, load_study
-from experiments.trials import Assignment, planned_trials
 from stimuli.manifest import StimulusSet
 from tests.analysis.answers import fill_store
 from tests.comparison_studies import comparison_study

@@ -18,8 +18,8 @@ from PIL import Image
 import stimuli
 from algorithms.files import make_folder, write_atomically
 from analysis import analyse
-from experiments.observers import Observer
-from experiments.store import Store
+from experiments.simulated.observers import Observer
+from experiments.storage.store import Store
 from experiments.study import load_study
 from experiments.web import create_app, running_server
 from experiments.web.simulate import simulate_over_http

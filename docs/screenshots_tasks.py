@@ -21,7 +21,7 @@ from playwright.sync_api import Browser
 
 import stimuli
 from algorithms.files import make_folder, write_atomically
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import Study, load_study
 from experiments.web import create_app, running_server
 from stimuli.manifest import StimulusSet

@@ -1,9 +1,9 @@
 """Studies: their design, the answers people give, and the runners that collect them."""
 
-from experiments.course import next_trial
+from experiments.planning.course import next_trial
+from experiments.planning.trials import Assignment, Trial, planned_trials
 from experiments.responses import Response, load_responses
 from experiments.study import Study, load_study
-from experiments.trials import Assignment, Trial, planned_trials
 
 __all__ = [
     "Assignment",

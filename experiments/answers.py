@@ -6,9 +6,9 @@ from itertools import pairwise
 
 from algorithms.errors import InputError
 from experiments.ordering import is_ranking
+from experiments.planning.trials import Answer, Assignment, Trial, planned_trials
 from experiments.responses import Input, Response, Session, now, response_id
 from experiments.study import Study
-from experiments.trials import Answer, Assignment, Trial, planned_trials
 from stimuli.manifest import StimulusSet
 
 
@@ -39,7 +39,7 @@ def make_response(
     study, stimuli, session
         What is run.
     trial_index, answer
-        Which trial, and the answer (`experiments.trials.Answer`; None: no answer in time).
+        Which trial, and the answer (`experiments.planning.trials.Answer`; None: no answer in time).
     measured
         What the runner measured.
 

@@ -15,17 +15,17 @@ from rich.progress import Progress
 
 from algorithms.errors import InputError
 from experiments import store_cli
-from experiments.course import course_of
+from experiments.planning.course import course_of
+from experiments.planning.trials import Assignment
 from experiments.study import Study, check_stimuli, load_study
 from experiments.template import write_template
-from experiments.trials import Assignment
 from stimuli.manifest import StimulusSet
 from stimuli.manifest import load as load_stimuli
 
 if TYPE_CHECKING:
     from experiments.lab.progress import Status
-    from experiments.simulation import AnyObserver
-    from experiments.viewers import Viewer
+    from experiments.simulated.simulation import AnyObserver
+    from experiments.simulated.viewers import Viewer
 
 # Servers, databases and windows are imported by the commands that need them, so that the others
 # start at once.
@@ -108,7 +108,7 @@ def serve(
 ) -> None:
     """Serve one or more studies to browsers until interrupted, and print the links to them."""
     from experiments import web
-    from experiments.store import Store
+    from experiments.storage.store import Store
     from experiments.web.workers import Worker, check_workers, serve_workers
 
     served = _with_stimuli(studies, stimuli)
@@ -174,8 +174,8 @@ def simulate(
 
     Run n of --repeat goes to the store of that name with -n, and has the seed plus n - 1.
     """
-    from experiments.observer_options import observer_of
-    from experiments.viewers import Viewer
+    from experiments.simulated.observer_options import observer_of
+    from experiments.simulated.viewers import Viewer
 
     loaded = load_study(study)
     stimulus_set = _verified(loaded, stimuli)
@@ -273,7 +273,7 @@ def run_lab(
     from experiments.lab.photodiode import Photodiode
     from experiments.lab.triggers import load_triggers
     from experiments.lab.window import WindowSettings
-    from experiments.store import Store
+    from experiments.storage.store import Store
 
     if experimenter_screen == screen and window is None:
         raise InputError(f"experimenter_screen: {screen} given, another one than --screen accepted")
@@ -352,8 +352,8 @@ class _Simulation:
 
     def in_process(self, data: str) -> list[str]:
         """Take it without a server; return the sessions."""
-        from experiments.simulation import simulate_in_process
-        from experiments.store import Store
+        from experiments.simulated.simulation import simulate_in_process
+        from experiments.storage.store import Store
 
         with Store.open(data) as store:
             sessions = simulate_in_process(
@@ -403,8 +403,8 @@ def _simulate_viewing(
     folder: Path,
     seed: int,
 ) -> int:
-    from experiments.store import Store
-    from experiments.viewers import simulate_viewing
+    from experiments.simulated.viewers import simulate_viewing
+    from experiments.storage.store import Store
 
     generator = np.random.default_rng(seed)
     with Store.open(data) as store:
@@ -443,7 +443,7 @@ def _server_for(
         yield url
     elif data is not None and url is None:
         from experiments import web
-        from experiments.store import Store
+        from experiments.storage.store import Store
 
         with (
             Store.open(data) as store,

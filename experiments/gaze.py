@@ -11,7 +11,7 @@ import numpy as np
 
 from algorithms.errors import InputError
 from algorithms.files import make_folder, sha256_of, write_atomically
-from experiments.presentations import Trial
+from experiments.planning.presentations import Trial
 from experiments.responses import Event, Session
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from experiments.trials import Answer, Phase
+from experiments.planning.trials import Answer, Phase
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -56,7 +56,7 @@ class Response:
     stimuli
         The ids of the stimuli in the order shown.
     answer
-        As the task has it (`experiments.trials.Answer`); None when the time limit passed.
+        As the task has it (`experiments.planning.trials.Answer`); None when the time limit passed.
     reaction_time_s
         From the measured onset to the answer.
     onset_requested_s, onset_measured_s
@@ -193,7 +193,7 @@ def load_responses(path_or_url: str | Path, study: str | None = None) -> "pd.Dat
     InputError
         If there is no such store.
     """
-    from experiments.store import Store  # the store imports the rows that it keeps
+    from experiments.storage.store import Store  # the store imports the rows that it keeps
 
     with Store.open(path_or_url, must_exist=True) as store:
         return responses_frame(store.responses(study=study))

@@ -13,7 +13,7 @@ from algorithms.errors import InputError
 from algorithms.files import write_atomically
 
 if TYPE_CHECKING:
-    from experiments.store import Store
+    from experiments.storage.store import Store
 
 Stored = Annotated[
     str, typer.Argument(metavar="DATA", help="The response store, a SQLite file or a URL.")
@@ -39,10 +39,10 @@ def export(
     output: Annotated[Path | None, typer.Option(help="A file instead of the terminal.")] = None,
 ) -> None:
     """Write the answers, sessions or events of a store as a table, or a study for others."""
-    from experiments.collection import load_collection
-    from experiments.export import csv_bytes, table_bytes
-    from experiments.psych_ds import wide_table, write_psych_ds
-    from experiments.store import Store
+    from experiments.exports.collection import load_collection
+    from experiments.exports.export import csv_bytes, table_bytes
+    from experiments.exports.psych_ds import wide_table, write_psych_ds
+    from experiments.storage.store import Store
 
     if output is None and form in ("parquet", "psych-ds"):
         raise InputError(f"output: missing; --format {form} needs it")
@@ -65,7 +65,7 @@ def export(
 
 def bundle(data: Stored, folder: NewFolder, study: OneStudy = None) -> None:
     """Write a study with all its answers as a folder that `trompe analyse` takes anywhere."""
-    from experiments.collection import load_collection, write_bundle
+    from experiments.exports.collection import load_collection, write_bundle
 
     typer.echo(f"wrote {write_bundle(load_collection(data, study), folder)}")
 
@@ -76,8 +76,8 @@ def exclude(
     reason: Annotated[str, typer.Option(help="Why; it is published with the results.")],
 ) -> None:
     """Leave a session out of the analysis; nothing of it is deleted."""
-    from experiments.participation import exclude_session
-    from experiments.store import Store
+    from experiments.storage.participation import exclude_session
+    from experiments.storage.store import Store
 
     with Store.open(data, must_exist=True) as store:
         exclude_session(store, session, reason)
@@ -86,8 +86,8 @@ def exclude(
 
 def withdraw(data: Stored, session: SessionId) -> None:
     """Erase the answers of a participant who withdraws; that there was a session stays."""
-    from experiments.participation import withdraw_session
-    from experiments.store import Store
+    from experiments.storage.participation import withdraw_session
+    from experiments.storage.store import Store
 
     with Store.open(data, must_exist=True) as store:
         withdraw_session(store, session)
@@ -96,7 +96,7 @@ def withdraw(data: Stored, session: SessionId) -> None:
 
 def pause(data: Stored, study: OneStudy = None) -> None:
     """Let nobody begin a study on the web; those who have begun go on."""
-    from experiments.admission import pause as pause_study
+    from experiments.storage.admission import pause as pause_study
 
     with _study_of(data, study) as (store, name):
         pause_study(store, name)
@@ -105,7 +105,7 @@ def pause(data: Stored, study: OneStudy = None) -> None:
 
 def resume(data: Stored, study: OneStudy = None) -> None:
     """Let people begin a study again that was paused."""
-    from experiments.admission import resume as resume_study
+    from experiments.storage.admission import resume as resume_study
 
     with _study_of(data, study) as (store, name):
         resume_study(store, name)
@@ -114,8 +114,8 @@ def resume(data: Stored, study: OneStudy = None) -> None:
 
 @contextmanager
 def _study_of(data: str, study: str | None) -> "Iterator[tuple[Store, str]]":
-    from experiments.collection import newest_study
-    from experiments.store import Store
+    from experiments.exports.collection import newest_study
+    from experiments.storage.store import Store
 
     with Store.open(data, must_exist=True) as store:
         yield store, newest_study(store, study)[0].name
@@ -126,7 +126,7 @@ def backup(
     output: Annotated[Path, typer.Argument(metavar="FILE", help="Must not be there yet.")],
 ) -> None:
     """Copy a SQLite store to a file while servers go on writing to it."""
-    from experiments.database import back_up
+    from experiments.storage.database import back_up
 
     back_up(data, output)
     typer.echo(f"wrote {output}")
@@ -144,8 +144,8 @@ def replay(
 
     Sessions of other versions of the study, and withdrawn ones, are passed over.
     """
-    from experiments.collection import load_collection
-    from experiments.replay import replay_session
+    from experiments.exports.collection import load_collection
+    from experiments.planning.replay import replay_session
 
     held = load_collection(data, study)
     version = (held.study.digest, held.stimuli.digest)

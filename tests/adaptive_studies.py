@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from experiments.observers import psychometric_function
-from experiments.presentations import Answer, Trial
-from experiments.right_answers import right_answer
+from experiments.planning.presentations import Answer, Trial
+from experiments.planning.right_answers import right_answer
+from experiments.simulated.observers import psychometric_function
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.comparison_studies import comparison_study

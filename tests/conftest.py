@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import Study, load_study
 from stimuli.manifest import StimulusSet
 from tests.drawn_set import draw_set

@@ -11,7 +11,7 @@ import pytest
 import trompe
 from experiments import load_responses
 from experiments.doctor import examine
-from experiments.store import Store
+from experiments.storage.store import Store
 from stimuli.manifest import load
 
 

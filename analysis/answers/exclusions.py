@@ -7,10 +7,10 @@ from typing import Literal
 import pandas as pd
 
 from algorithms.errors import InputError
+from experiments.planning.right_answers import is_right
+from experiments.planning.trials import Answer, Trial
 from experiments.responses import Event, Session
-from experiments.right_answers import is_right
 from experiments.study import Exclusion, Study
-from experiments.trials import Answer, Trial
 from stimuli.manifest import StimulusSet
 
 Who = Literal["people", "simulated"]

@@ -7,8 +7,8 @@ import pandas as pd
 from algorithms.errors import InputError
 from analysis.answers.trials import KEPT, check_responses
 from experiments.answers import accepted_answers, is_possible
+from experiments.planning.trials import Answer, Trial
 from experiments.study import Study, chosen
-from experiments.trials import Answer, Trial
 from stimuli.manifest import Stimulus, StimulusSet
 
 

@@ -19,7 +19,7 @@ from analysis.naming import level_name, p_text
 from analysis.report.study_analysis import StudyAnalysis, analyse_study
 from analysis.report.tables import study_tables
 from analysis.thresholds.chance import ChanceLimit
-from experiments.collection import load_collection
+from experiments.exports.collection import load_collection
 from experiments.study import Study
 from stimuli.manifest import StimulusSet, load
 

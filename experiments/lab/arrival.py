@@ -9,7 +9,7 @@ from experiments.demographics import check_demographics
 from experiments.lab.form import PARTICIPANT, fields_for, fill_in
 from experiments.lab.window import LabWindow
 from experiments.responses import Session
-from experiments.store import Store, check_participant
+from experiments.storage.store import Store, check_participant
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 

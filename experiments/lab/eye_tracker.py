@@ -11,7 +11,7 @@ from algorithms.errors import InputError, UnavailableError
 from experiments.gaze import Place, pixels_per_degree
 from experiments.lab.geometry import Placement
 from experiments.lab.window import LabWindow
-from experiments.trials import Trial
+from experiments.planning.trials import Trial
 
 if TYPE_CHECKING:
     import pandas as pd

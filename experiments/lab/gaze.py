@@ -10,10 +10,10 @@ from experiments.lab.eye_tracker import EyeTracker, TrackerConfig, open_eye_trac
 from experiments.lab.geometry import Placement
 from experiments.lab.presenter import Outcome
 from experiments.lab.window import LabWindow
+from experiments.planning.trials import Trial
 from experiments.responses import Session
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import Study
-from experiments.trials import Trial
 
 
 class Gaze:

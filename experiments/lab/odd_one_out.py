@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from experiments.lab.presenter import Presentation, Scene
 from experiments.lab.task_view import ObjectsView
 from experiments.lab.window import Drawable
-from experiments.trials import Answer, Trial
+from experiments.planning.trials import Answer, Trial
 
 
 class OddOneOutView(ObjectsView):

@@ -8,8 +8,8 @@ from experiments.lab.inputs import KeyPress
 from experiments.lab.pictures import Picture, load_picture
 from experiments.lab.texts import text
 from experiments.lab.window import Drawable, LabWindow
+from experiments.planning.trials import Trial
 from experiments.study import CHOOSES, Study
-from experiments.trials import Trial
 from stimuli.manifest import Stimulus, StimulusSet
 
 # Shares of the window's height.

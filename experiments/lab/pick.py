@@ -9,7 +9,7 @@ from experiments.lab.pictures import Picture
 from experiments.lab.presenter import Presentation, Scene
 from experiments.lab.task_view import ObjectsView
 from experiments.lab.window import Drawable
-from experiments.trials import Answer, Trial
+from experiments.planning.trials import Answer, Trial
 
 
 class Picks:

@@ -9,9 +9,9 @@ from experiments.lab.geometry import Area
 from experiments.lab.inputs import KeyPress, Press
 from experiments.lab.pages import FOOTING_BAND, HEADING_BAND, heading
 from experiments.lab.window import Drawable, Frames, LabWindow
+from experiments.planning.trials import Answer
 from experiments.responses import Input
 from experiments.study_parts import Timing
-from experiments.trials import Answer
 
 _TRACK_RGB = (112, 112, 112)
 _DONE_RGB = (176, 176, 176)

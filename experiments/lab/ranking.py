@@ -12,7 +12,7 @@ from experiments.lab.presenter import Presentation, Scene
 from experiments.lab.task_view import MARK_WIDTH_PX, PlainPicture, PlainTaskView
 from experiments.lab.window import Drawable, LabWindow, Text
 from experiments.ordering import Order
-from experiments.trials import Answer, Trial
+from experiments.planning.trials import Answer, Trial
 
 _CAPTION = 0.05  # of the window's height
 _TEXT = 0.026

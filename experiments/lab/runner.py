@@ -10,7 +10,6 @@ from typing import Any
 from algorithms.errors import InputError
 from algorithms.files import make_folder
 from experiments.answers import response_in
-from experiments.course import Course, course_of
 from experiments.lab import pages
 from experiments.lab.arrival import Entrant, ask_entrant, check_number, known_entrant
 from experiments.lab.eye_tracker import TrackerConfig
@@ -26,12 +25,13 @@ from experiments.lab.tasks import view_of
 from experiments.lab.texts import text
 from experiments.lab.triggers import TriggerPlan, Triggers, check_triggers, open_triggers
 from experiments.lab.window import LabWindow, WindowSettings
-from experiments.pool import assignment_of
+from experiments.planning.course import Course, course_of
+from experiments.planning.right_answers import right_answer
+from experiments.planning.trials import Answer, Assignment, Trial
 from experiments.responses import POOL, Session
-from experiments.right_answers import right_answer
-from experiments.store import NewSession, Store
+from experiments.storage.pool import assignment_of
+from experiments.storage.store import NewSession, Store
 from experiments.study import Study, check_stimuli
-from experiments.trials import Answer, Assignment, Trial
 from stimuli.manifest import StimulusSet
 
 

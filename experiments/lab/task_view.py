@@ -5,15 +5,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from experiments.designs import arrange
 from experiments.lab.geometry import Area, Placement, Size, fit
 from experiments.lab.pictures import OUTLINE_RGB, Picture, image_size, load_picture, shown_image
 from experiments.lab.presenter import Presentation, stimulus_area
 from experiments.lab.texts import text
 from experiments.lab.visual_angle import image_width_px
 from experiments.lab.window import Drawable, LabWindow, Movable
+from experiments.planning.designs import arrange
+from experiments.planning.trials import Answer, Trial
 from experiments.study import Study, chosen
-from experiments.trials import Answer, Trial
 from stimuli.manifest import Stimulus, StimulusSet
 
 MARK_WIDTH_PX = 4

@@ -11,9 +11,9 @@ from pydantic import Field
 from algorithms.errors import InputError
 from experiments.lab.ports import Port, PortSettings, open_port
 from experiments.lab.window import LabWindow
+from experiments.planning.trials import Answer, Phase, Trial
 from experiments.study_parts import Part
 from experiments.toml_files import read_toml
-from experiments.trials import Answer, Phase, Trial
 from stimuli.manifest import Factor, StimulusSet
 
 LARGEST_CODE = 255

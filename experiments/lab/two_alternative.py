@@ -9,7 +9,7 @@ from experiments.lab.mask import draw_mask
 from experiments.lab.presenter import Presentation, Scene
 from experiments.lab.task_view import PlainPicture, PlainTaskView
 from experiments.lab.window import Drawable
-from experiments.trials import Answer, Trial
+from experiments.planning.trials import Answer, Trial
 
 SIDES = ("pair.left", "pair.right_image")
 TURNS = ("pair.first", "pair.second")

@@ -8,7 +8,7 @@ from experiments.lab.inputs import Press
 from experiments.lab.presenter import Presentation, Scene
 from experiments.lab.task_view import PlainTaskView
 from experiments.lab.window import Drawable
-from experiments.trials import Answer, Trial
+from experiments.planning.trials import Answer, Trial
 
 
 class YesNoView(PlainTaskView):

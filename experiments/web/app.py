@@ -7,11 +7,11 @@ from fastapi import FastAPI
 from fastapi.staticfiles import StaticFiles
 
 from algorithms.errors import InputError
-from experiments.course import course_of
-from experiments.store import Store
+from experiments.planning.course import course_of
+from experiments.planning.trials import Assignment
+from experiments.storage.store import Store
 from experiments.study import Study, check_stimuli
 from experiments.study_parts import Display
-from experiments.trials import Assignment
 from experiments.web import entrance, participant, researcher
 from experiments.web.errors import add_error_handlers
 from experiments.web.exhibits import Exhibits

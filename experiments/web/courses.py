@@ -7,10 +7,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Final
 
-from experiments.course import Course, course_of
-from experiments.pool import assignment_of
+from experiments.planning.course import Course, course_of
 from experiments.responses import POOL, Session
-from experiments.store import Store
+from experiments.storage.pool import assignment_of
+from experiments.storage.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 

@@ -9,13 +9,13 @@ from fastapi import APIRouter, Request
 from sqlalchemy.engine import Connection
 
 from algorithms.errors import InputError
-from experiments.admission import Closed, closed_in
-from experiments.arrivals import Arrival, add_arrival, arrived
 from experiments.demographics import check_demographics
-from experiments.leases import end_lease, renew_lease
 from experiments.responses import Session
 from experiments.screens import screen_faults
-from experiments.store import NewSession
+from experiments.storage.admission import Closed, closed_in
+from experiments.storage.arrivals import Arrival, add_arrival, arrived
+from experiments.storage.leases import end_lease, renew_lease
+from experiments.storage.store import NewSession
 from experiments.study import Study
 from experiments.web.errors import ApiError
 from experiments.web.messages import LeaseMessage, NewSessionMessage, ReturnMessage

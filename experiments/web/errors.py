@@ -8,7 +8,7 @@ from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
 from algorithms.errors import InputError
-from experiments.store import ConflictError, WithdrawnError
+from experiments.storage.store import ConflictError, WithdrawnError
 
 _CODES = {
     400: "malformed",

@@ -8,7 +8,7 @@ from typing import Final
 from starlette.concurrency import run_in_threadpool
 
 from experiments.responses import Session
-from experiments.store import Store
+from experiments.storage.store import Store
 
 MOST_WRONG: Final = 30
 WITHIN_S: Final = 60.0

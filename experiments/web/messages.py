@@ -5,8 +5,8 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator
 
 from experiments.answers import Measurement
+from experiments.planning.trials import Answer
 from experiments.responses import RESERVED_KINDS, Input
-from experiments.trials import Answer
 
 # Bounds only keep nonsense out of the store: no honest client comes near them.
 Seconds = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False)]

@@ -8,12 +8,12 @@ from fastapi.responses import JSONResponse
 from starlette.concurrency import run_in_threadpool
 
 from experiments.answers import response_in
-from experiments.arrivals import parameters_of
-from experiments.participation import withdraw_session
+from experiments.planning.right_answers import right_answer
+from experiments.planning.trials import Answer, Trial
 from experiments.responses import Session, response_id
-from experiments.right_answers import right_answer
+from experiments.storage.arrivals import parameters_of
+from experiments.storage.participation import withdraw_session
 from experiments.study import CHOOSES
-from experiments.trials import Answer, Trial
 from experiments.web.errors import ApiError
 from experiments.web.exhibits import region_runs
 from experiments.web.messages import AnswerMessage, EventMessage

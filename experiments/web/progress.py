@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from experiments.activity import answers_by_hour, late_shares
-from experiments.admission import paused_since
-from experiments.course import course_of
-from experiments.participation import exclusion_reasons
+from experiments.planning.course import course_of
+from experiments.planning.trials import Assignment
 from experiments.responses import EXCLUSION, Session
-from experiments.store import Store
+from experiments.storage.activity import answers_by_hour, late_shares
+from experiments.storage.admission import paused_since
+from experiments.storage.participation import exclusion_reasons
+from experiments.storage.store import Store
 from experiments.study import Study
-from experiments.trials import Assignment
 from stimuli.manifest import StimulusSet
 
 

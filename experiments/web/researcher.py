@@ -4,9 +4,9 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Response
 
-from experiments.admission import pause, resume
-from experiments.export import FORMS, Form, Table, table_bytes
-from experiments.participation import exclude_session, withdraw_session
+from experiments.exports.export import FORMS, Form, Table, table_bytes
+from experiments.storage.admission import pause, resume
+from experiments.storage.participation import exclude_session, withdraw_session
 from experiments.web.errors import ApiError
 from experiments.web.messages import ExclusionMessage
 from experiments.web.progress import study_progress

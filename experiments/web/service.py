@@ -10,11 +10,11 @@ from typing import Annotated
 
 from fastapi import Depends, Header, Request
 
-from experiments.admission import Closed, closed
+from experiments.planning.trials import Assignment, Trial, planned_trials
 from experiments.responses import Session
-from experiments.store import Store
+from experiments.storage.admission import Closed, closed
+from experiments.storage.store import Store
 from experiments.study import CHOOSES, Study
-from experiments.trials import Assignment, Trial, planned_trials
 from experiments.web.courses import Courses
 from experiments.web.errors import ApiError
 from experiments.web.exhibits import Exhibits

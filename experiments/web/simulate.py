@@ -11,10 +11,10 @@ import numpy as np
 
 from algorithms.errors import InputError
 from experiments.demographics import GENDERS
+from experiments.planning.trials import Answer, Assignment, Trial, planned_trials
 from experiments.responses import response_id
-from experiments.simulation import AnyObserver, answer_trial, device_of, person_of
+from experiments.simulated.simulation import AnyObserver, answer_trial, device_of, person_of
 from experiments.study import Study
-from experiments.trials import Answer, Assignment, Trial, planned_trials
 from experiments.web.exhibits import shown_png
 from stimuli.manifest import StimulusSet
 

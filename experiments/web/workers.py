@@ -17,7 +17,7 @@ from typing import Final
 from fastapi import FastAPI
 
 from algorithms.errors import InputError
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import Study
 from experiments.web.app import create_site
 from experiments.web.server import serve

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from experiments.observers import Observer, simulate_responses
 from experiments.responses import Response, Session
-from experiments.store import NewSession, Store
+from experiments.simulated.observers import Observer, simulate_responses
+from experiments.storage.store import NewSession, Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 

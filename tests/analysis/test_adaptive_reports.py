@@ -8,9 +8,9 @@ import pandas as pd
 import pytest
 
 from analysis.report.page import analyse
-from experiments.observers import Observer
-from experiments.simulation import simulate_in_process
-from experiments.store import Store
+from experiments.simulated.observers import Observer
+from experiments.simulated.simulation import simulate_in_process
+from experiments.storage.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.adaptive_studies import adaptive_study

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from algorithms.errors import InputError
 from analysis.cli import analyse
 from analysis.report.page import DEFAULT_SEED
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.analysis.answers import fill_store, rows_of

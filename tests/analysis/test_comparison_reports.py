@@ -12,12 +12,12 @@ import pytest
 
 from algorithms.errors import InputError
 from analysis.report.page import analyse, differences
-from experiments.item_observers import (
+from experiments.simulated.item_observers import (
     NOISE_OF_A_DIFFERENCE,
     ItemObserver,
 )
-from experiments.simulation import simulate_in_process
-from experiments.store import Store
+from experiments.simulated.simulation import simulate_in_process
+from experiments.storage.store import Store
 from experiments.study import Study, Task
 from stimuli.manifest import StimulusSet
 from tests.comparison_studies import ITEMS, comparison_study

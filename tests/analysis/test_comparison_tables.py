@@ -8,10 +8,10 @@ import pytest
 
 from algorithms.errors import InputError
 from analysis.answers.comparison_tables import item_names, judgement_table, pair_table, rank_table
-from experiments.item_observers import ItemObserver
 from experiments.responses import responses_frame
-from experiments.simulation import simulate_in_process
-from experiments.store import Store
+from experiments.simulated.item_observers import ItemObserver
+from experiments.simulated.simulation import simulate_in_process
+from experiments.storage.store import Store
 from experiments.study import Study, Task
 from stimuli.manifest import StimulusSet
 from tests.comparison_studies import ITEMS, comparison_study

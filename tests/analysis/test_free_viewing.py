@@ -11,11 +11,11 @@ import pytest
 from algorithms.errors import InputError
 from analysis.report.page import Images, analyse, differences
 from experiments.gaze import GAZE, Place, load_gaze, write_gaze
+from experiments.planning.trials import Trial
 from experiments.responses import Event, Session
-from experiments.store import Store
+from experiments.simulated.viewers import Viewer, simulate_viewing
+from experiments.storage.store import Store
 from experiments.study import Study
-from experiments.trials import Trial
-from experiments.viewers import Viewer, simulate_viewing
 from stimuli.manifest import StimulusSet
 from tests.comparison_studies import viewing_study
 from tests.drawn_set import draw_set

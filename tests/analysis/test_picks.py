@@ -15,8 +15,8 @@ from algorithms.errors import InputError
 from analysis.answers.picks import chance_of_picks, pick_table
 from analysis.rates.picks import p_above_chance, pick_rates
 from analysis.report.page import analyse
-from experiments.observers import Observer, simulate_responses
-from experiments.store import Store
+from experiments.simulated.observers import Observer, simulate_responses
+from experiments.storage.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.analysis.answers import fill_store

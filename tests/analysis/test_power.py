@@ -13,8 +13,8 @@ import trompe
 from algorithms.errors import InputError
 from analysis.power import Outcome, PowerCurve, power_curve
 from analysis.study_power import study_run
-from experiments.item_observers import ItemObserver
-from experiments.observers import Observer
+from experiments.simulated.item_observers import ItemObserver
+from experiments.simulated.observers import Observer
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.adaptive_studies import active_study, adaptive_study

@@ -11,7 +11,7 @@ from analysis.rates.hits import hit_rates
 from analysis.rates.salience import object_salience
 from analysis.rates.times import answer_times
 from analysis.thresholds.rate_tests import rates_above
-from experiments.observers import Observer, psychometric_function
+from experiments.simulated.observers import Observer, psychometric_function
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.analysis.answers import OBSERVER, rows_of

@@ -15,8 +15,8 @@ from analysis.report.page import analyse, differences, write_report
 from analysis.report.study_analysis import StudyAnalysis, analyse_study
 from analysis.report.tables import study_tables
 from analysis.report.tasks.odd_one_out import OddOneOutAnalysis
-from experiments.collection import load_collection, write_bundle
-from experiments.store import Store
+from experiments.exports.collection import load_collection, write_bundle
+from experiments.storage.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.analysis.answers import fill_store, responses_of, rows_of, sessions_of

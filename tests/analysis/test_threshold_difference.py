@@ -15,7 +15,7 @@ from analysis.thresholds.threshold_difference import (
     posterior_difference,
     threshold_difference,
 )
-from experiments.observers import Observer
+from experiments.simulated.observers import Observer
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.analysis.answers import rows_of

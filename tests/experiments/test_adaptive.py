@@ -9,17 +9,17 @@ import pytest
 from numpy.typing import NDArray
 
 from algorithms.errors import InputError
-from experiments.adaptive.active_pairs import ScalePosterior
-from experiments.adaptive.quest_plus import QuestPlusTrack
-from experiments.adaptive.staircase import StaircaseTrack, staircase_target
-from experiments.course import course_of, next_trial
-from experiments.item_observers import ItemObserver
-from experiments.observers import Observer, psychometric_function
-from experiments.presentations import Answer, Assignment
-from experiments.simulation import simulate_rows
+from experiments.planning.adaptive.active_pairs import ScalePosterior
+from experiments.planning.adaptive.quest_plus import QuestPlusTrack
+from experiments.planning.adaptive.staircase import StaircaseTrack, staircase_target
+from experiments.planning.course import course_of, next_trial
+from experiments.planning.presentations import Answer, Assignment
+from experiments.planning.trials import planned_trials
+from experiments.simulated.item_observers import ItemObserver
+from experiments.simulated.observers import Observer, psychometric_function
+from experiments.simulated.simulation import simulate_rows
 from experiments.study import Study
 from experiments.study_parts import QuestPlus, Staircase
-from experiments.trials import planned_trials
 from stimuli.manifest import StimulusSet
 from tests.adaptive_studies import active_study, adaptive_study, answered
 from tests.comparison_studies import comparison_study

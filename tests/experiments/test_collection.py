@@ -9,10 +9,10 @@ from typer.testing import CliRunner
 
 from algorithms.errors import InputError
 from experiments.cli import app
-from experiments.collection import Collection, load_collection, write_bundle
-from experiments.item_observers import ItemObserver
-from experiments.simulation import simulate_in_process
-from experiments.store import Store
+from experiments.exports.collection import Collection, load_collection, write_bundle
+from experiments.simulated.item_observers import ItemObserver
+from experiments.simulated.simulation import simulate_in_process
+from experiments.storage.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.comparison_studies import comparison_study

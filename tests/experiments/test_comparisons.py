@@ -17,14 +17,14 @@ from typer.testing import CliRunner
 from algorithms.errors import InputError
 from experiments.answers import Measurement, make_response
 from experiments.cli import app
-from experiments.designs import ordered
-from experiments.item_observers import NOISE_OF_A_DIFFERENCE, ItemObserver
 from experiments.ordering import Order, is_ranking
+from experiments.planning.designs import ordered
+from experiments.planning.trials import Assignment, Trial, planned_trials
 from experiments.responses import Session, load_responses
-from experiments.simulation import simulate_in_process
-from experiments.store import NewSession, Store
+from experiments.simulated.item_observers import NOISE_OF_A_DIFFERENCE, ItemObserver
+from experiments.simulated.simulation import simulate_in_process
+from experiments.storage.store import NewSession, Store
 from experiments.study import Study, Task, load_study
-from experiments.trials import Assignment, Trial, planned_trials
 from stimuli.manifest import StimulusSet
 from tests.comparison_studies import ITEMS, as_toml, comparison_study, pick_study
 

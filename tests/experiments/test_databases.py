@@ -17,15 +17,15 @@ from alembic.script import ScriptDirectory
 
 from algorithms.errors import InputError
 from experiments.answers import Measurement, make_response
-from experiments.database import SCHEMA, open_database
-from experiments.item_observers import ItemObserver
-from experiments.participation import exclude_session
-from experiments.pool import assignment_of, pool_of
 from experiments.responses import POOL, Response, Session
-from experiments.simulation import simulate_in_process
-from experiments.store import ConflictError, NewSession, Store
+from experiments.simulated.item_observers import ItemObserver
+from experiments.simulated.simulation import simulate_in_process
+from experiments.storage.database import SCHEMA, open_database
+from experiments.storage.participation import exclude_session
+from experiments.storage.pool import assignment_of, pool_of
+from experiments.storage.store import ConflictError, NewSession, Store
+from experiments.storage.tables import metadata
 from experiments.study import Study
-from experiments.tables import metadata
 from stimuli.manifest import StimulusSet
 from tests.adaptive_studies import adaptive_study
 from tests.postgres import Cluster, programs
@@ -105,7 +105,9 @@ def test_a_new_store_is_as_the_queries_see_it(database: str) -> None:
     with engine.connect() as connection:
         assert compare_metadata(MigrationContext.configure(connection), metadata) == []
     engine.dispose()
-    scripts = ScriptDirectory(str(Path(__file__).parents[2] / "experiments" / "migrations"))
+    scripts = ScriptDirectory(
+        str(Path(__file__).parents[2] / "experiments" / "storage" / "migrations")
+    )
     assert scripts.get_heads() == [SCHEMA]
 
 

@@ -11,15 +11,15 @@ from pydantic import ValidationError
 
 from algorithms.errors import InputError
 from analysis.answers.exclusions import apply_rule, catch_answers
-from experiments.designs import block_order, block_rows, drawn_subset, next_number
-from experiments.item_observers import ItemObserver
+from experiments.planning.designs import block_order, block_rows, drawn_subset, next_number
+from experiments.planning.right_answers import is_right, right_answer
+from experiments.planning.trials import Assignment, Trial, planned_trials
 from experiments.responses import responses_frame
-from experiments.right_answers import is_right, right_answer
-from experiments.simulation import simulate_in_process
-from experiments.store import NewSession, Store
+from experiments.simulated.item_observers import ItemObserver
+from experiments.simulated.simulation import simulate_in_process
+from experiments.storage.store import NewSession, Store
 from experiments.study import Study, check_stimuli
 from experiments.study_parts import Design
-from experiments.trials import Assignment, Trial, planned_trials
 from stimuli.manifest import StimulusSet
 from tests.comparison_studies import ITEMS, comparison_study
 

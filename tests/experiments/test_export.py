@@ -14,13 +14,13 @@ from typer.testing import CliRunner
 
 from experiments.answers import Measurement, make_response
 from experiments.cli import app
-from experiments.collection import load_collection
-from experiments.data_dictionary import COLUMNS, described
-from experiments.export import safe_cell, table_bytes
-from experiments.participation import exclude_session
-from experiments.psych_ds import wide_table, write_psych_ds
+from experiments.exports.collection import load_collection
+from experiments.exports.data_dictionary import COLUMNS, described
+from experiments.exports.export import safe_cell, table_bytes
+from experiments.exports.psych_ds import wide_table, write_psych_ds
 from experiments.responses import Event, Response, Session
-from experiments.store import NewSession, Store
+from experiments.storage.participation import exclude_session
+from experiments.storage.store import NewSession, Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 

@@ -8,11 +8,11 @@ import pytest
 from scipy import stats
 
 from algorithms.errors import InputError
-from experiments.item_observers import ItemObserver
-from experiments.observers import Observer, psychometric_function, simulate_responses
+from experiments.planning.trials import Assignment, planned_trials
 from experiments.responses import Response
+from experiments.simulated.item_observers import ItemObserver
+from experiments.simulated.observers import Observer, psychometric_function, simulate_responses
 from experiments.study import Study
-from experiments.trials import Assignment, planned_trials
 from stimuli.manifest import Stimulus, StimulusSet
 from tests.comparison_studies import pick_study
 

@@ -13,10 +13,10 @@ from analysis.answers.exclusions import apply_rule
 from analysis.answers.trials import trial_table
 from experiments.answers import Measurement, make_response
 from experiments.cli import app
-from experiments.collection import load_collection, write_bundle
-from experiments.participation import exclude_session, exclusion_reasons, withdraw_session
+from experiments.exports.collection import load_collection, write_bundle
 from experiments.responses import Response, Session, responses_frame
-from experiments.store import NewSession, Store, WithdrawnError
+from experiments.storage.participation import exclude_session, exclusion_reasons, withdraw_session
+from experiments.storage.store import NewSession, Store, WithdrawnError
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 

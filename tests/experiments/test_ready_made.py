@@ -10,13 +10,13 @@ from typer.testing import CliRunner
 
 from algorithms.errors import InputError
 from experiments.cli import app
-from experiments.item_observers import ItemObserver
-from experiments.observers import Observer, simulate_responses
-from experiments.simulation import simulate_in_process
-from experiments.store import Store
+from experiments.planning.trials import Assignment, planned_trials
+from experiments.simulated.item_observers import ItemObserver
+from experiments.simulated.observers import Observer, simulate_responses
+from experiments.simulated.simulation import simulate_in_process
+from experiments.simulated.viewers import Viewer, simulate_viewing
+from experiments.storage.store import Store
 from experiments.study import CHOOSES, check_stimuli, load_study
-from experiments.trials import Assignment, planned_trials
-from experiments.viewers import Viewer, simulate_viewing
 from experiments.web import create_app, running_server
 from stimuli.manifest import StimulusSet
 from tests.drawn_studies import METHODS, draw_for

@@ -12,12 +12,12 @@ from typer.testing import CliRunner
 
 from algorithms.errors import InputError
 from experiments.cli import app
-from experiments.collection import load_collection, write_bundle
-from experiments.item_observers import ItemObserver
-from experiments.observers import Observer
+from experiments.exports.collection import load_collection, write_bundle
 from experiments.responses import DECISION, ESTIMATES, POOL
-from experiments.simulation import simulate_in_process
-from experiments.store import Store
+from experiments.simulated.item_observers import ItemObserver
+from experiments.simulated.observers import Observer
+from experiments.simulated.simulation import simulate_in_process
+from experiments.storage.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.adaptive_studies import adaptive_study

@@ -11,9 +11,9 @@ import sqlalchemy as sa
 
 from algorithms.errors import InputError
 from experiments.answers import Measurement, make_response
-from experiments.database import open_database
 from experiments.responses import Response, Session, load_responses
-from experiments.store import ConflictError, NewSession, Store
+from experiments.storage.database import open_database
+from experiments.storage.store import ConflictError, NewSession, Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 

@@ -9,9 +9,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from algorithms.errors import InputError
-from experiments.course import course_of
+from experiments.planning.course import course_of
+from experiments.planning.trials import Assignment
 from experiments.study import READY_MADE, check_stimuli, load_study
-from experiments.trials import Assignment
 from stimuli.manifest import StimulusSet
 from tests.comparison_studies import as_toml_text
 from tests.drawn_studies import draw_for

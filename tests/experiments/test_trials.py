@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from algorithms.errors import InputError
-from experiments.course import next_trial
+from experiments.planning.course import next_trial
+from experiments.planning.trials import Answer, Assignment, planned_trials
 from experiments.study import Study
-from experiments.trials import Answer, Assignment, planned_trials
 from stimuli.manifest import StimulusSet
 
 numbers = st.integers(1, 10_000)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from algorithms.images import read_labels
 from experiments.lab.photodiode import Photodiode
+from experiments.planning.trials import Assignment, Trial, planned_trials
 from experiments.study import Study
-from experiments.trials import Assignment, Trial, planned_trials
 from stimuli.manifest import StimulusSet
 from tests.drawn_set import draw_set
 from tests.lab.driver import Display, Sitting, open_display, save_monitor, start, take_study

@@ -15,8 +15,8 @@ from experiments.lab.photodiode import DARK_RGB, LIT_RGB, Photodiode
 from experiments.lab.ports import PortSettings, open_port
 from experiments.lab.triggers import TriggerPlan, check_triggers, load_triggers
 from experiments.lab.window import BACKGROUND_RGB
+from experiments.planning.trials import Trial
 from experiments.responses import load_responses
-from experiments.trials import Trial
 from stimuli.manifest import StimulusSet
 from tests.lab.conftest import PHOTODIODE, Finished
 

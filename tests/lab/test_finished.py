@@ -12,11 +12,11 @@ from PIL import Image
 from experiments.answers import Measurement, make_response
 from experiments.lab.pictures import OUTLINE_RGB
 from experiments.lab.window import BACKGROUND_RGB
+from experiments.planning.trials import Trial
 from experiments.regions import outline
 from experiments.responses import DEVICE_COLUMNS, TIMING_COLUMNS, load_responses, responses_frame
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import Study
-from experiments.trials import Trial
 from stimuli.manifest import StimulusSet
 from tests.lab.conftest import Finished
 from tests.lab.driver import DEMOGRAPHICS, Display, image_area, start

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from algorithms.files import sha256_of
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import Study
 from experiments.web import create_app, running_server
 from experiments.web.pages import BUNDLE

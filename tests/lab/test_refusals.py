@@ -15,7 +15,7 @@ from experiments.lab.opening import open_window
 from experiments.lab.runner import run_lab
 from experiments.lab.visual_angle import image_width_px
 from experiments.lab.window import WindowSettings
-from experiments.store import NewSession, Store
+from experiments.storage.store import NewSession, Store
 from experiments.study import Study
 from experiments.study_parts import Display as ImageSize
 from stimuli.manifest import StimulusSet

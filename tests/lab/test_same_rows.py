@@ -9,7 +9,7 @@ import pytest
 
 from experiments import load_responses
 from experiments.responses import DEVICE_COLUMNS, TIMING_COLUMNS, Response
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import Study
 from experiments.web import create_app, running_server
 from experiments.web.pages import BUNDLE

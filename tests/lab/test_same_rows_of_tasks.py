@@ -15,19 +15,19 @@ from scipy import ndimage
 from algorithms.images import read_labels
 from analysis import fixations_by_velocity
 from experiments import load_responses
-from experiments.collection import load_collection
+from experiments.exports.collection import load_collection
 from experiments.gaze import load_gaze
-from experiments.item_observers import ItemObserver
 from experiments.lab.geometry import Area
-from experiments.observers import Observer, simulate_responses
 from experiments.ordering import Order
-from experiments.replay import replay_session
+from experiments.planning.replay import replay_session
+from experiments.planning.trials import Answer
 from experiments.responses import DECISION, DEVICE_COLUMNS, ESTIMATES, POOL, TIMING_COLUMNS
-from experiments.simulation import simulate_in_process
-from experiments.store import Store
+from experiments.simulated.item_observers import ItemObserver
+from experiments.simulated.observers import Observer, simulate_responses
+from experiments.simulated.simulation import simulate_in_process
+from experiments.simulated.viewers import Viewer, simulate_viewing
+from experiments.storage.store import Store
 from experiments.study import Study
-from experiments.trials import Answer
-from experiments.viewers import Viewer, simulate_viewing
 from experiments.web import create_app, running_server
 from experiments.web.pages import BUNDLE
 from stimuli.manifest import StimulusSet

@@ -15,7 +15,7 @@ from scipy import ndimage
 
 from experiments.lab.buttons import BUTTON_RGB
 from experiments.responses import load_responses
-from experiments.store import Store
+from experiments.storage.store import Store
 from tests.lab.driver import Display, Sitting, image_area, start, take_study
 
 pytestmark = [pytest.mark.lab, pytest.mark.slow]

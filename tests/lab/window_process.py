@@ -19,7 +19,7 @@ from experiments.lab.progress import Status
 from experiments.lab.runner import run_lab
 from experiments.lab.triggers import load_triggers
 from experiments.lab.window import WindowSettings
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import load_study
 from stimuli.manifest import load
 from tests.lab.observed import observed_window

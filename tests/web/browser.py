@@ -10,9 +10,9 @@ import numpy as np
 from PIL import Image
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
-from experiments.store import Store
+from experiments.planning.trials import Answer
+from experiments.storage.store import Store
 from experiments.study import Study
-from experiments.trials import Answer
 from stimuli.manifest import StimulusSet
 
 # No GPU and no user namespaces are needed, and nothing is asked of other machines.

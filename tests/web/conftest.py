@@ -8,7 +8,7 @@ import httpx
 import pytest
 from playwright.sync_api import Browser
 
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import Study
 from experiments.web import create_app, running_server
 from experiments.web.pages import BUNDLE

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from playwright.sync_api import Route
 
-from experiments.collection import load_collection
-from experiments.course import course_of
-from experiments.item_observers import ItemObserver
-from experiments.observers import Observer
-from experiments.presentations import Assignment
-from experiments.replay import replay_session
+from experiments.exports.collection import load_collection
+from experiments.planning.course import course_of
+from experiments.planning.presentations import Assignment
+from experiments.planning.replay import replay_session
 from experiments.responses import DECISION, DEVICE_COLUMNS, TIMING_COLUMNS, responses_frame
-from experiments.simulation import simulate_in_process
-from experiments.store import Store
+from experiments.simulated.item_observers import ItemObserver
+from experiments.simulated.observers import Observer
+from experiments.simulated.simulation import simulate_in_process
+from experiments.storage.store import Store
 from experiments.study import Study
 from experiments.web import create_app, running_server
 from experiments.web.simulate import simulate_over_http

@@ -4,9 +4,9 @@ import pandas as pd
 import pytest
 from playwright.sync_api import Route
 
-from experiments.store import Store
+from experiments.planning.trials import Assignment, planned_trials
+from experiments.storage.store import Store
 from experiments.study import Study
-from experiments.trials import Assignment, planned_trials
 from stimuli.manifest import StimulusSet
 from tests.web.browser import OpenPage, changed, stored
 

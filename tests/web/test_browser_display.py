@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from algorithms.files import sha256_of
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.drawn_set import draw_set

@@ -6,8 +6,8 @@ import httpx
 import pandas as pd
 import pytest
 
-from experiments.participation import exclusion_reasons
-from experiments.store import Store
+from experiments.storage.participation import exclusion_reasons
+from experiments.storage.store import Store
 from experiments.web.service import researcher_token
 from tests.web.browser import OpenPage
 from tests.web.visitor import STUDY, Visitor

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Page
 
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import Study
 from stimuli.manifest import StimulusSet
 from tests.comparison_studies import comparison_study

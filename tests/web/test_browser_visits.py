@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, Route
 
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import Study, Task
 from stimuli.manifest import StimulusSet
 from tests.comparison_studies import comparison_study

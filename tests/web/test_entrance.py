@@ -10,11 +10,11 @@ import pytest
 from typer.testing import CliRunner
 
 from experiments.cli import app
-from experiments.export import table_bytes, table_rows
-from experiments.leases import LEASE_S, RELOAD_S, end_lease, renew_lease
-from experiments.participation import withdraw_session
+from experiments.exports.export import table_bytes, table_rows
 from experiments.responses import response_id
-from experiments.store import Store
+from experiments.storage.leases import LEASE_S, RELOAD_S, end_lease, renew_lease
+from experiments.storage.participation import withdraw_session
+from experiments.storage.store import Store
 from experiments.study import Study
 from experiments.web import create_app, create_site, researcher_token, running_server
 from stimuli.manifest import StimulusSet
@@ -84,7 +84,7 @@ def test_no_more_begin_at_once_than_are_needed_and_who_gives_up_makes_room(
         Visitor(client).begin(simulated=True)
     # Nobody is heard of for as long as the study allows: their places are free, not their answers.
     with monkeypatch.context() as patched:
-        patched.setattr("experiments.admission.timedelta", lambda **_: timedelta(hours=-1))
+        patched.setattr("experiments.storage.admission.timedelta", lambda **_: timedelta(hours=-1))
         with client_of(wanted, tiny, store) as client:
             late = [Visitor(client).begin() for _ in range(2)]
     with client_of(wanted, tiny, store) as client:

@@ -13,9 +13,9 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from algorithms.files import sha256_of
-from experiments.store import Store
+from experiments.planning.trials import Assignment, planned_trials
+from experiments.storage.store import Store
 from experiments.study import Study
-from experiments.trials import Assignment, planned_trials
 from experiments.web import create_app, running_server
 from experiments.web.pages import BUNDLE
 from stimuli.manifest import StimulusSet

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import Study
 from experiments.web import create_app, running_server
 from experiments.web.guard import MAX_BODY_BYTES

@@ -4,9 +4,9 @@ import httpx
 import pytest
 from PIL import Image
 
-from experiments.store import Store
+from experiments.planning.trials import Assignment, planned_trials
+from experiments.storage.store import Store
 from experiments.study import Study
-from experiments.trials import Assignment, planned_trials
 from experiments.web import create_app, running_server
 from stimuli.manifest import StimulusSet
 from tests.comparison_studies import comparison_study

@@ -4,8 +4,8 @@ import io
 import httpx
 import pytest
 
-from experiments.export import safe_cell
-from experiments.store import NewSession, Store
+from experiments.exports.export import safe_cell
+from experiments.storage.store import NewSession, Store
 from experiments.study import Study
 from experiments.web import links, researcher_token
 from stimuli.manifest import StimulusSet

@@ -12,7 +12,7 @@ from hypothesis.errors import Unsatisfiable
 from schemathesis.core.result import Ok
 from schemathesis.generation import GenerationMode
 
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import Study
 from experiments.web import create_app, researcher_token, running_server
 from experiments.web.known_sessions import MOST_WRONG, WrongTokens

@@ -14,7 +14,7 @@ import httpx
 import pytest
 
 from algorithms.errors import InputError
-from experiments.store import Store
+from experiments.storage.store import Store
 from experiments.study import Study
 from experiments.web import create_app, listen, running_server
 from stimuli.manifest import StimulusSet

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from algorithms.errors import InputError
-from experiments.item_observers import ItemObserver
-from experiments.observers import Observer
-from experiments.store import Store
+from experiments.planning.trials import Assignment, planned_trials
+from experiments.simulated.item_observers import ItemObserver
+from experiments.simulated.observers import Observer
+from experiments.storage.store import Store
 from experiments.study import Study
-from experiments.trials import Assignment, planned_trials
 from experiments.web import create_app, running_server
 from experiments.web.simulate import simulate_over_http
 from stimuli.manifest import StimulusSet

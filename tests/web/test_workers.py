@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from experiments.cli import app
-from experiments.store import Store
+from experiments.storage.store import Store
 from stimuli.manifest import StimulusSet
 from tests.web.serving import served
 from tests.web.visitor import STUDY, Visitor

@@ -1,6 +1,0 @@
-"""How a store's database is made and brought up to date: one revision a file, by alembic.
-
-A new revision is a new file in `versions`, with `down_revision` of the one before; then
-`experiments.tables` says what the database looks like now, and `experiments.database.SCHEMA` its
-number. A test compares the two.
-"""

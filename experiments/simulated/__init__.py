@@ -1,0 +1,1 @@
+"""Simulated participants: observers with known answers, viewers with known gaze."""
