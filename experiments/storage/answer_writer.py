@@ -138,17 +138,17 @@ def _insert(connection: Connection, group: Sequence[Response]) -> list[bool | Co
     for place, response in enumerate(group):
         first.setdefault(response.id, place)
     dialect = postgresql if connection.dialect.name == "postgresql" else sqlite
+    # Whatever is unique: of two servers that insert one answer at once, PostgreSQL may find its
+    # session and trial taken before its id.
     statement = (
-        dialect.insert(tables.responses)
-        .on_conflict_do_nothing(index_elements=["id"])
-        .returning(tables.responses.c.id)
+        dialect.insert(tables.responses).on_conflict_do_nothing().returning(tables.responses.c.id)
     )
     rows = [_row(group[place]) for place in first.values()]
     new = {first[inserted] for inserted in connection.execute(statement, rows).scalars()}
     repeated = {response.id for place, response in enumerate(group) if place not in new}
     stored = _stored(connection, repeated) if repeated else {}
     return [
-        True if place in new else _compared(response, stored[response.id])
+        True if place in new else _compared(response, stored.get(response.id))
         for place, response in enumerate(group)
     ]
 
@@ -173,9 +173,11 @@ def _stored(connection: Connection, identifiers: set[str]) -> dict[str, Mapping[
     return {row["id"]: dict(row) for row in connection.execute(query).mappings()}
 
 
-def _compared(response: Response, stored: Mapping[str, Any]) -> bool | ConflictError:
+def _compared(response: Response, stored: Mapping[str, Any] | None) -> bool | ConflictError:
     given = _row(response)
-    if all(_as_json(stored[key]) == _as_json(given[key]) for key in _IDENTITY):
+    if stored is not None and all(
+        _as_json(stored[key]) == _as_json(given[key]) for key in _IDENTITY
+    ):
         return False
     return ConflictError(f"answer: trial {response.trial_index} already has another answer")
 

@@ -95,7 +95,7 @@ def test_one_trial_has_one_row_whatever_its_id(
     store: Store, make: Callable[[int, int], Response]
 ) -> None:
     store.record(make(0, 3))
-    with pytest.raises(sa.exc.IntegrityError):
+    with pytest.raises(ConflictError, match="trial 0 already has another answer"):
         store.record(replace(make(0, 3), id="another"))
 
 
