@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 
@@ -94,7 +94,7 @@ def measure(task: Task, answers: int) -> dict[str, Any]:
 def main() -> None:
     """Read the arguments, run, and write the result as JSON."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--tasks", nargs="+", choices=get_args(Task), default=list(get_args(Task)))
+    parser.add_argument("--tasks", nargs="+", choices=LEVELS, default=list(LEVELS))
     parser.add_argument("--answers", type=int, default=100_000)
     parser.add_argument("--output", type=Path)
     given = parser.parse_args()

@@ -8,7 +8,7 @@ import { ApiError, retry } from "./retry";
 const RELOAD_S = 3;
 const MOMENT_S = 0.5;
 const TRY_AGAIN_S = 2;
-/** Several times within what the server takes for silence (`LEASE_S` in experiments/leases.py). */
+/** Several times within what the server takes for silence (`LEASE_S` in experiments/storage/leases.py). */
 const RENEW_S = 12;
 const NAME_KEY = "trompe.page";
 
