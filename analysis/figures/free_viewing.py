@@ -7,9 +7,8 @@ from matplotlib.figure import Figure
 from analysis.figures.gaze import dwell_ratios_figure, heat_map_figure
 from analysis.figures.style import (
     CHANCE_COLOUR,
-    COLOURS,
-    MARKERS,
     SETTINGS,
+    draw_rows,
     level_label,
     new_figure,
 )
@@ -55,18 +54,7 @@ def looked_at_figure(analysis: FreeViewingAnalysis) -> Figure:
     for number, (odd, label) in enumerate(((True, "odd one"), (False, "not odd"))):
         rows = table[table["odd"] == odd]
         places = np.array([names.index(name) for name in rows["object"]]) + 0.16 * (number - 0.5)
-        share, low, high = (rows[name].to_numpy(float) for name in ("share", "low", "high"))
-        axes.errorbar(
-            share,
-            places,
-            xerr=(share - low, high - share),
-            color=COLOURS[number],
-            marker=MARKERS[number],
-            markersize=4.5,
-            linewidth=0,
-            elinewidth=1.4,
-            label=label,
-        )
+        draw_rows(axes, rows, ("share", "low", "high"), places, number, label)
     axes.axvline(
         1 / len(names),
         color=CHANCE_COLOUR,

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from analysis.figures.style import (
     CHANCE_COLOUR,
     COLOURS,
-    MARKERS,
     SETTINGS,
     draw_points,
+    draw_rows,
     level_label,
     new_figure,
     split_by,
@@ -74,18 +74,7 @@ def objects_figure(analysis: PickAnalysis) -> Figure:
     for number, (inserted, label) in enumerate(((True, "inserted"), (False, "another one is"))):
         rows = table[table["inserted"] == inserted]
         places = np.array([names.index(name) for name in rows["object"]]) + 0.16 * (number - 0.5)
-        rate, low, high = (rows[name].to_numpy(float) for name in ("rate", "low", "high"))
-        axes.errorbar(
-            rate,
-            places,
-            xerr=(rate - low, high - rate),
-            color=COLOURS[number],
-            marker=MARKERS[number],
-            markersize=4.5,
-            linewidth=0,
-            elinewidth=1.4,
-            label=label,
-        )
+        draw_rows(axes, rows, ("rate", "low", "high"), places, number, label)
     mean = float(np.average(table["chance"], weights=table["answers"]))
     label = f"chance ({100 * mean:.1f} %)"
     axes.axvline(mean, color=CHANCE_COLOUR, linestyle=(0, (4, 3)), linewidth=1, label=label)

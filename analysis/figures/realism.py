@@ -5,7 +5,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.figures.style import CHANCE_COLOUR, COLOURS, MARKERS, new_figure
+from analysis.figures.style import CHANCE_COLOUR, draw_rows, new_figure
 from analysis.judgements.realism import PHOTOGRAPH, PROCESSED, UNTOLD, Realism
 
 _LABELS = {PHOTOGRAPH: "photographs", PROCESSED: "processed images", UNTOLD: "images"}
@@ -27,7 +27,7 @@ def draw_shares(axes: Axes, result: Realism) -> Axes:
         rows = np.flatnonzero(result.table["kind"] == kind)
         if not len(rows):
             continue
-        _draw_row(axes, result.table.iloc[rows], ("share", "low", "high"), rows, number, label)
+        draw_rows(axes, result.table.iloc[rows], ("share", "low", "high"), rows, number, label)
     axes.axvline(0.5, color=CHANCE_COLOUR, linestyle=(0, (4, 3)), linewidth=1)
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.4, -0.6)
@@ -43,7 +43,7 @@ def draw_sensitivities(axes: Axes, result: Realism) -> Axes:
     """Draw d' of each condition with its interval over participants; 0 is "not told apart"."""
     table = result.sensitivity_frame()
     rows = np.arange(len(table))
-    _draw_row(axes, table, ("d_prime", "d_prime_low", "d_prime_high"), rows, 2, None)
+    draw_rows(axes, table, ("d_prime", "d_prime_low", "d_prime_high"), rows, 2, None)
     axes.axvline(0, color=CHANCE_COLOUR, linestyle=(0, (4, 3)), linewidth=1)
     axes.set_yticks(rows, _names(table, result.by))
     axes.set_ylim(len(table) - 0.4, -0.6)
@@ -76,25 +76,3 @@ def realism_figure(result: Realism, *, simulated: bool) -> Figure:
 
 def _names(table: pd.DataFrame, by: tuple[str, ...]) -> list[str]:
     return [", ".join(map(str, cell)) for cell in table[list(by)].itertuples(index=False)]
-
-
-def _draw_row(
-    axes: Axes,
-    table: pd.DataFrame,
-    columns: tuple[str, str, str],
-    rows: np.ndarray[tuple[int], np.dtype[np.intp]],
-    number: int,
-    label: str | None,
-) -> None:
-    value, low, high = (table[name].to_numpy(float) for name in columns)
-    axes.errorbar(
-        value,
-        rows,
-        xerr=(value - low, high - value),
-        color=COLOURS[number],
-        marker=MARKERS[number],
-        markersize=4.5,
-        linewidth=0,
-        elinewidth=1.4,
-        label=label,
-    )

@@ -5,10 +5,12 @@ from collections.abc import Iterator
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
+from numpy.typing import NDArray
 
 from experiments.study import Study
 
@@ -134,6 +136,45 @@ def draw_points(
         label=label,
     )
     return axes
+
+
+def draw_rows(
+    axes: Axes,
+    table: pd.DataFrame,
+    columns: tuple[str, str, str],
+    rows: NDArray[np.number],
+    number: int,
+    label: str | None,
+) -> None:
+    """Draw values with their intervals, lying, in the colour and marker of a series.
+
+    Parameters
+    ----------
+    axes
+        Where.
+    table
+        One row a value.
+    columns
+        The names of the value and of the ends of its interval.
+    rows
+        The ordinate of each value.
+    number
+        Of the series, from 0.
+    label
+        As the legend names it, or None.
+    """
+    value, low, high = (table[name].to_numpy(float) for name in columns)
+    axes.errorbar(
+        value,
+        rows,
+        xerr=(value - low, high - value),
+        color=COLOURS[number],
+        marker=MARKERS[number],
+        markersize=4.5,
+        linewidth=0,
+        elinewidth=1.4,
+        label=label,
+    )
 
 
 def legend_below(axes: Axes, columns: int) -> Axes:
