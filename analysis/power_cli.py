@@ -8,14 +8,23 @@ from typing import Annotated
 import typer
 
 from algorithms.errors import InputError
+from experiments.cli import (
+    Fatigue,
+    Json,
+    LapseRate,
+    PositionBias,
+    Qualities,
+    Spread,
+    Stimuli,
+    StudyFile,
+    Width,
+)
 from stimuli.cli import progress_bar
 
 
 def power(
-    study: Annotated[
-        str, typer.Argument(metavar="STUDY", help="A TOML file or a ready-made name.")
-    ],
-    stimuli: Annotated[Path, typer.Option(help="The folder of the stimulus set.")],
+    study: StudyFile,
+    stimuli: Stimuli,
     between: Annotated[
         str, typer.Option(help="Two values of the condition, or two items: front,back.")
     ],
@@ -30,18 +39,14 @@ def power(
     condition: Annotated[
         str | None, typer.Option(help="The factor that thresholds are for, and compared by.")
     ] = None,
-    width: Annotated[float, typer.Option(help="From 5 % to 95 % of the function.")] = 30.0,
-    lapse_rate: Annotated[float, typer.Option(help="0 to 0.5.")] = 0.02,
-    fatigue: Annotated[
-        float, typer.Option(help="By how much the lapse rate grows over 100 trials.")
-    ] = 0.0,
-    qualities: Annotated[
-        str | None, typer.Option(help="In comparisons, of each item in JOD: a=0,b=1.5.")
-    ] = None,
-    spread: Annotated[float, typer.Option(help="Of participants' qualities, in JOD.")] = 0.0,
-    position_bias: Annotated[float, typer.Option(help="Of the first place, in JOD.")] = 0.0,
+    width: Width = 30.0,
+    lapse_rate: LapseRate = 0.02,
+    fatigue: Fatigue = 0.0,
+    qualities: Qualities = None,
+    spread: Spread = 0.0,
+    position_bias: PositionBias = 0.0,
     seed: Annotated[int, typer.Option(min=0, help="Of every random choice.")] = 2011,
-    as_json: Annotated[bool, typer.Option("--json", help="Machine-readable output.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Simulate a study many times, and tell how many participants it takes to find a difference."""
     import numpy as np

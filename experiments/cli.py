@@ -48,6 +48,15 @@ Host = Annotated[str, typer.Option(help="The address to serve at.")]
 Port = Annotated[int, typer.Option(min=0, max=65535, help="0 takes any free one.")]
 Pilot = Annotated[bool, typer.Option("--pilot", help="Flag the answers as a pilot's.")]
 Json = Annotated[bool, typer.Option("--json", help="Machine-readable output.")]
+# Of simulated observers; `trompe power` has them as well.
+Width = Annotated[float, typer.Option(help="From 5 % to 95 % of the function.")]
+LapseRate = Annotated[float, typer.Option(help="0 to 0.5.")]
+Fatigue = Annotated[float, typer.Option(help="By how much the lapse rate grows over 100 trials.")]
+Qualities = Annotated[
+    str | None, typer.Option(help="In comparisons, of each item in JOD: a=0,b=1.5.")
+]
+Spread = Annotated[float, typer.Option(help="Of participants' qualities, in JOD.")]
+PositionBias = Annotated[float, typer.Option(help="Of the first place, in JOD.")]
 
 
 @app.command()
@@ -142,19 +151,15 @@ def simulate(
     condition: Annotated[
         str | None, typer.Option(help="The factor that the thresholds are for.")
     ] = None,
-    width: Annotated[float, typer.Option(help="From 5 % to 95 % of the function.")] = 30.0,
-    lapse_rate: Annotated[float, typer.Option(help="0 to 0.5.")] = 0.02,
+    width: Width = 30.0,
+    lapse_rate: LapseRate = 0.02,
     salience: Annotated[
         str | None, typer.Option(help="How much labels draw guesses, 5=3,2=2; the others have 1.")
     ] = None,
-    qualities: Annotated[
-        str | None, typer.Option(help="In comparisons, of each item in JOD: a=0,b=1.5.")
-    ] = None,
-    spread: Annotated[float, typer.Option(help="Of participants' qualities, in JOD.")] = 0.0,
-    position_bias: Annotated[float, typer.Option(help="Of the first place, in JOD.")] = 0.0,
-    fatigue: Annotated[
-        float, typer.Option(help="By how much the lapse rate grows over 100 trials.")
-    ] = 0.0,
+    qualities: Qualities = None,
+    spread: Spread = 0.0,
+    position_bias: PositionBias = 0.0,
+    fatigue: Fatigue = 0.0,
     in_process: Annotated[
         bool, typer.Option("--in-process", help="Into the store without a server: faster.")
     ] = False,
