@@ -6,6 +6,7 @@ outliers do not rule, instead of the last one alone, along the outline, at a fix
 and elevation come out of one fit.
 """
 
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -41,28 +42,52 @@ def fit_lights(shading: Shading) -> Sources:
 
     Returns
     -------
+    1 to 4 lights: as many as `grown` accepts.
+    """
+    return _with_distances(
+        shading, grown(shading, lambda last, count: _fitted(shading, last, count))
+    )
+
+
+def grown(shading: Shading, richer: Callable[[Sources, int], Sources | None]) -> Sources:
+    """Find lights one by one as long as another one pays.
+
+    Parameters
+    ----------
+    shading
+        What is to be explained.
+    richer
+        Returns as many lights as it is told, given one fewer; None where there are none.
+
+    Returns
+    -------
     1 to 4 lights: another one is accepted where it lowers the loss by `least_gain`, and two more
     where they do so on average, as three evenly spread lights may look like one and ambient light.
     """
     last = best = Sources.directional(np.zeros((0, 3)))
     worth = most_worth = needed = 0.0
     for count in range(1, MOST_LIGHTS + 1):
-        fits = [refine(shading, start) for start in starting_points(shading, last, count)]
-        distinct = [fit for fit in fits if _are_distinct(fit[0])]
-        if not distinct:
+        more = richer(last, count)
+        if more is None:
             break
-        richer, _ = min(distinct, key=lambda fit: fit[1])
         if count == 1:
-            needed = least_gain(richer)
+            needed = least_gain(more)
         else:
-            lowered = gain(shading, last, richer)
+            lowered = gain(shading, last, more)
             worth += np.log(1 - needed) - np.log(1 - lowered)
             if worth < most_worth and (lowered < _HOPELESS or count > len(best.vectors) + 1):
                 break
         if worth >= most_worth:
-            best, most_worth = richer, worth
-        last = richer
-    return _with_distances(shading, best)
+            best, most_worth = more, worth
+        last = more
+    return best
+
+
+def _fitted(shading: Shading, last: Sources, count: int) -> Sources | None:
+    """Fit a given number of lights from all starting points."""
+    fits = [refine(shading, start) for start in starting_points(shading, last, count)]
+    distinct = [fit for fit in fits if _are_distinct(fit[0])]
+    return min(distinct, key=lambda fit: fit[1])[0] if distinct else None
 
 
 def least_gain(single: Sources) -> float:

@@ -3,7 +3,9 @@
 Lopez-Moreno 2011, sec. 3.6.1 and algorithm 1. A normal votes for every light that it may be lit
 by, in proportion to the luminance that each would account for; a light's azimuth is the direction
 of the sum of its voters' normals, as unit vectors (raw angles, as printed, cannot be averaged
-across 0 and 360 degrees).
+across 0 and 360 degrees). Lights are as strong as their votes, and ambient light gets votes too:
+expectation maximisation of clamped cosines on the circle. Equally strong lights without ambient
+light, as printed, share what one of them accounts for, and are drawn together.
 """
 
 from typing import Final
@@ -11,12 +13,14 @@ from typing import Final
 import numpy as np
 
 from algorithms.lights.contour import Contour
-from algorithms.lights.fitting import MOST_LIGHTS, WEAKEST, gain, least_gain
+from algorithms.lights.fitting import WEAKEST, gain, grown
 from algorithms.lights.shading import Array, Shading, Sources, predict, refine
 from algorithms.lights.starts import raised
 
-_ROUNDS: Final = 100
-_SETTLED_DEG: Final = 0.01
+# Later rounds follow an object's shadows on itself: chosen on renders.
+_ROUNDS: Final = 25
+_STARTS: Final = 4
+_AMBIENT_AT_FIRST: Final = 0.2
 _ALBEDO_LIMITS: Final = (0.5, 2.0)
 _DARK: Final = 0.2
 
@@ -33,46 +37,55 @@ def vote_lights(contour: Contour, shading: Shading) -> Sources:
 
     Returns
     -------
-    1 to 4 directional lights: as many as each lower the loss by `fitting.least_gain`.
+    1 to 4 directional lights: as many as `fitting.grown` accepts.
     """
     azimuth, luminance = np.radians(contour.azimuth_deg), contour.luminance / shading.unit
-    found = _grown(shading, azimuth, luminance)
-    return _grown(shading, azimuth, luminance / _albedo(shading, luminance, found))
 
-
-def _grown(shading: Shading, azimuth: Array, luminance: Array) -> Sources:
-    """Vote for one light, two, and so on; stop where one is weak or explains too little."""
-    found = Sources.directional(np.zeros((0, 3)))
-    needed = 0.0
-    for count in range(1, MOST_LIGHTS + 1):
+    def elected(luminance: Array, count: int) -> Sources | None:
         start = raised(shading, np.degrees(_voted(azimuth, luminance, count)))
-        better, _ = refine(shading, start, turning=False)
-        weakest = better.intensities.min() / max(float(better.intensities.max()), 1e-12)
-        if count == 1:
-            needed = least_gain(better)
-        elif weakest < WEAKEST or gain(shading, found, better) < needed:
-            break
-        found = better
-    return found
+        sources, _ = refine(shading, start, turning=False)
+        strong = sources.intensities.min() >= WEAKEST * sources.intensities.max()
+        return sources if strong or count == 1 else None
+
+    found = grown(shading, lambda _, count: elected(luminance, count))
+    # The number stays: an albedo may explain whatever light is missing.
+    again = elected(luminance / _albedo(shading, luminance, found), len(found.vectors))
+    return again if again and gain(shading, found, again) > 0 else found
 
 
 def _voted(azimuth: Array, luminance: Array, count: int) -> Array:
-    """Return the azimuths that a given number of lights settle at."""
-    normals = np.exp(1j * azimuth)
-    # What comes from everywhere votes for nobody.
-    votes = luminance - luminance.min()
-    seed = azimuth[np.argmax(votes)]
-    lights = np.exp(1j * (seed + 2 * np.pi * np.arange(count) / count))
+    """Return the azimuths that a given number of lights settle at.
+
+    They start evenly spread, the first one where it is brightest; then likewise, turned by parts of
+    their distance. What explains the luminance best is returned.
+    """
+    normals = np.exp(1j * azimuth)[:, None, None]
+    votes = luminance[:, None, None]
+    turns = (np.arange(count) + np.arange(_STARTS)[:, None] / _STARTS) / count
+    lights = np.exp(1j * (azimuth[np.argmax(luminance)] + 2 * np.pi * turns))
+    mean = max(float(luminance.mean()), 1e-12)
+    ambient = np.full((_STARTS, 1), _AMBIENT_AT_FIRST * mean)
+    # The mean of a clamped cosine around the circle is 1 / pi.
+    strength = np.full(lights.shape, (1 - _AMBIENT_AT_FIRST) * np.pi * mean / count)
     for _ in range(_ROUNDS):
-        facing = np.maximum((normals[:, None] * lights.conj()).real, 0)
-        total = np.maximum(facing.sum(axis=1, keepdims=True), 1e-12)
-        sums = (votes[:, None] * facing / total * normals[:, None]).sum(axis=0)
-        moved = np.where(np.abs(sums) > 1e-12, sums / np.maximum(np.abs(sums), 1e-12), lights)
-        settled = np.abs(np.angle(moved / lights)).max() < np.radians(_SETTLED_DEG)
-        lights = moved
-        if settled:
-            break
-    return np.asarray(np.angle(lights))
+        facing = np.maximum((normals * lights.conj()).real, 0)
+        surplus = votes / _explained(facing, strength, ambient)
+        # Votes beyond those expected, so that directions which no normal has count as expected.
+        beyond = (surplus - 1) * strength * facing
+        sums = (beyond * normals).sum(axis=0) + (facing**2).sum(axis=0) * strength * lights
+        strength = strength + beyond.sum(axis=0) / np.maximum(facing.sum(axis=0), 1e-12)
+        ambient = ambient * surplus.mean(axis=0)
+        length = np.abs(sums)
+        lights = np.where(length > 1e-12, sums / np.maximum(length, 1e-12), lights)
+    explained = _explained(np.maximum((normals * lights.conj()).real, 0), strength, ambient)
+    likelihood = (votes * np.log(explained) - explained).sum(axis=(0, 2))
+    return np.asarray(np.angle(lights[np.argmax(likelihood)]))
+
+
+def _explained(facing: Array, strength: Array, ambient: Array) -> Array:
+    """Return the luminance at each normal, `(normals, starts, 1)`."""
+    total = (facing * strength).sum(axis=2, keepdims=True) + ambient
+    return np.asarray(np.maximum(total, 1e-12))
 
 
 def _albedo(shading: Shading, luminance: Array, found: Sources) -> Array:
