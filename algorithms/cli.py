@@ -10,17 +10,19 @@ import typer
 from numpy.typing import NDArray
 
 from algorithms.errors import InputError
-from algorithms.images import read_image, write_picture
+from algorithms.images import read_image_and_alpha, write_picture
 from algorithms.light import Light, angle_between_deg
+from algorithms.masks import read_mask
 
 if TYPE_CHECKING:
     from algorithms.lights.estimate import LightEstimate, Method
 
-_WHITE = 0.2  # linear: about half of the way from black to white as displayed
-
 
 def lights(
-    image: Annotated[Path, typer.Argument(help="A PNG, JPEG or OpenEXR file.")],
+    image: Annotated[
+        Path,
+        typer.Argument(help="A PNG, JPEG or OpenEXR file; what is transparent is not looked at."),
+    ],
     mask: Annotated[
         list[Path],
         typer.Option(help="A picture that is white where the object is; once for each object."),
@@ -39,7 +41,10 @@ def lights(
     out = out or image.with_name(f"{image.stem}-lights.png")
     if out.resolve() in {path.resolve() for path in (image, *mask)}:
         raise InputError(f"out: {out} is an input; another file is accepted")
-    pixels, masks = read_image(image), [_read_mask(path) for path in mask]
+    pixels, alpha = read_image_and_alpha(image)
+    masks = [read_mask(path, pixels.shape) for path in mask]
+    if alpha is not None:
+        masks = [inside & (alpha > 0) for inside in masks]
     found = [
         _detect(path, pixels, inside, "voting" if method == "voting" else "fitting")
         for path, inside in zip(mask, masks, strict=True)
@@ -64,10 +69,6 @@ def lights(
             f"{pair['angle_deg']} degrees apart"
         )
     typer.echo(f"wrote {out}")
-
-
-def _read_mask(path: Path) -> NDArray[np.bool_]:
-    return np.asarray(read_image(path).max(axis=2) > _WHITE)
 
 
 def _detect(

@@ -12,8 +12,9 @@ from algorithms.caustics import Caustics, cast, maps_of
 from algorithms.color import FloatImage
 from algorithms.depth import perceptual_relief
 from algorithms.depth.files import read_relief
-from algorithms.edits.request import Request, read_mask, require_size, settings_from
+from algorithms.edits.request import Request, settings_from
 from algorithms.errors import InputError
+from algorithms.masks import read_mask, require_size
 
 
 def edit(image: FloatImage, request: Request) -> FloatImage:

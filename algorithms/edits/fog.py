@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from algorithms.color import FloatImage
 from algorithms.depth import layered_distance, receding_distance, scaled_distance
 from algorithms.depth.files import Stereo, read_distance
-from algorithms.edits.request import Request, read_mask, require_size, settings_from
+from algorithms.edits.request import Request, settings_from
 from algorithms.errors import InputError
 from algorithms.fog import Fog, add_fog
+from algorithms.masks import read_mask, require_size
 
 LAYER = "layer-"
 

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 EDITS: Final = ("fog", "caustics", "transparent")
 """Each is a file of this folder with a function `edit`."""
 
-_WHITE: Final = 0.2  # linear: about half of the way from black to white as displayed
-
 
 @dataclass(frozen=True)
 class Request:
@@ -81,35 +79,6 @@ def perform(request: Request, max_pixels: int = MAX_PIXELS) -> Edited:
     edit: Callable[[FloatImage, Request], FloatImage]
     edit = importlib.import_module(f"algorithms.edits.{request.edit}").edit
     return Edited(image, edit(image, request), alpha)
-
-
-def read_mask(path: Path, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """Read a mask, a picture that is white where the object is, of an image's height and width.
-
-    Raises
-    ------
-    InputError
-        If its size is another one.
-    """
-    image, alpha = read_image_and_alpha(path)
-    mask = np.asarray(image.max(axis=2) > _WHITE)
-    if alpha is not None:
-        mask &= alpha > 0.5
-    require_size(path, mask.shape, shape)
-    return mask
-
-
-def require_size(path: Path, found: tuple[int, ...], wanted: tuple[int, ...]) -> None:
-    """Refuse a file that has not an image's height and width.
-
-    Raises
-    ------
-    InputError
-        With the file's name and both sizes.
-    """
-    if found[:2] != wanted[:2]:
-        sizes = " x ".join(map(str, found[1::-1])), " x ".join(map(str, wanted[1::-1]))
-        raise InputError(f"{path}: {sizes[0]} pixels given, the image's {sizes[1]} accepted")
 
 
 Settings = TypeVar("Settings", bound="DataclassInstance")

@@ -9,8 +9,9 @@ shadow that it casts. Parameters: `glass` (`algorithms.transparency.Glass`), `de
 from algorithms.caustics import Caustics, cast, maps_of
 from algorithms.color import FloatImage
 from algorithms.edits.caustics import relief_of
-from algorithms.edits.request import Request, read_mask, settings_from
+from algorithms.edits.request import Request, settings_from
 from algorithms.inpainting import fill_behind
+from algorithms.masks import read_mask
 from algorithms.shadows import lift_shadow
 from algorithms.transparency import Glass, make_transparent
 

@@ -23,6 +23,9 @@ WEAKEST: Final = 0.15
 
 MOST_LIGHTS: Final = 4
 _HOPELESS: Final = 0.05
+_SPREAD_DEG: Final = 70.0
+_AMBIENT_LESS: Final = 0.05  # of a bright luminance
+_THINNED: Final = 2  # half of the places tells which starting point leads to the best fit
 _LEAST_GAIN_OF_DISTANCE: Final = 0.2
 _OUTLYING: Final = 0.03
 # No better than this is expected of a guessed shape, as a share of the variance.
@@ -62,7 +65,8 @@ def grown(shading: Shading, richer: Callable[[Sources, int], Sources | None]) ->
     Returns
     -------
     1 to 4 lights: another one is accepted where it lowers the loss by `least_gain`, and two more
-    where they do so on average, as three evenly spread lights may look like one and ambient light.
+    where they do so on average. Half of that is enough for a third or fourth that ambient light had
+    stood for: spread around an object, they look much like it.
     """
     last = best = Sources.directional(np.zeros((0, 3)))
     worth = most_worth = needed = 0.0
@@ -74,7 +78,8 @@ def grown(shading: Shading, richer: Callable[[Sources, int], Sources | None]) ->
             needed = least_gain(more)
         else:
             lowered = gain(shading, last, more)
-            worth += np.log(1 - needed) - np.log(1 - lowered)
+            least = needed / 2 if _was_ambient(last, more) else needed
+            worth += np.log(1 - least) - np.log(1 - lowered)
             if worth < most_worth and (lowered < _HOPELESS or count > len(best.vectors) + 1):
                 break
         if worth >= most_worth:
@@ -83,11 +88,22 @@ def grown(shading: Shading, richer: Callable[[Sources, int], Sources | None]) ->
     return best
 
 
+def _was_ambient(last: Sources, more: Sources) -> bool:
+    """Tell whether one of three or more lights all around takes the place of ambient light."""
+    spread = len(more.vectors) > 2 and _least_apart_deg(more) >= _SPREAD_DEG
+    return spread and last.ambient - more.ambient >= _AMBIENT_LESS
+
+
 def _fitted(shading: Shading, last: Sources, count: int) -> Sources | None:
-    """Fit a given number of lights from all starting points."""
-    fits = [refine(shading, start) for start in starting_points(shading, last, count)]
+    """Fit a given number of lights from all starting points, then the best of them to the end."""
+    few = shading.thinned(_THINNED)
+    fits = [refine(few, start) for start in starting_points(few, last, count)]
     distinct = [fit for fit in fits if _are_distinct(fit[0])]
-    return min(distinct, key=lambda fit: fit[1])[0] if distinct else None
+    if not distinct:
+        return None
+    best, _ = min(distinct, key=lambda fit: fit[1])
+    refined, _ = refine(shading, best)
+    return refined if _are_distinct(refined) else best
 
 
 def least_gain(single: Sources) -> float:
@@ -126,10 +142,14 @@ def _are_distinct(sources: Sources) -> bool:
     """Tell whether no light is weak beside the strongest or close to another one in azimuth."""
     if sources.intensities.min() < WEAKEST * sources.intensities.max():
         return False
+    return _least_apart_deg(sources) >= LEAST_APART_DEG
+
+
+def _least_apart_deg(sources: Sources) -> float:
+    """Return the least difference of two azimuths; 360 for one light."""
     x, y, _ = sources.vectors.T
     azimuth_deg = np.sort(np.degrees(np.arctan2(y, x)))
-    apart_deg = np.diff(azimuth_deg, append=azimuth_deg[0] + 360)
-    return len(azimuth_deg) == 1 or bool(apart_deg.min() >= LEAST_APART_DEG)
+    return float(np.diff(azimuth_deg, append=azimuth_deg[0] + 360).min())
 
 
 def _with_distances(shading: Shading, found: Sources) -> Sources:

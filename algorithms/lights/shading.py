@@ -7,7 +7,7 @@ from ``direction - nearness p`` and falls off with the square of that length, so
 a directional light. (Eq. 3.18 is the cosine of this on a circle, without the fall-off.)
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -65,6 +65,21 @@ class Shading:
         """Return the weighted mean squares inside and along the outline, `(2,)`."""
         parts = (slice(None, self.inside), slice(self.inside, None))
         return np.array([np.average(values[p] ** 2, weights=self.weights[p]) for p in parts])
+
+    def thinned(self, step: int) -> "Shading":
+        """Return every so many places inside, and all of the outline."""
+        kept = np.r_[0 : self.inside : step, self.inside : self.luminance.size]
+        inside = len(range(0, self.inside, step))
+        weights = self.weights[kept]
+        weights[:inside] /= weights[:inside].sum()
+        return replace(
+            self,
+            normals=self.normals[kept],
+            positions=self.positions[kept],
+            luminance=self.luminance[kept],
+            weights=weights,
+            inside=inside,
+        )
 
 
 @dataclass(frozen=True)

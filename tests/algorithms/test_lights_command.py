@@ -70,3 +70,19 @@ def test_refusals(scene: tuple[Path, list[Path]], tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"empty\.png: mask: it is empty"):
         lights(image, [tmp_path / "empty.png"])
     assert not image.with_name("scene-lights.png").exists()
+
+
+def test_transparent_pixels_are_no_part_of_an_object(
+    scene: tuple[Path, list[Path]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # Property: both spheres under one mask, of which the picture shows one, are that one.
+    image, masks = scene
+    with Image.open(image) as opaque, Image.open(masks[0]) as mask:
+        cut = opaque.convert("RGB")
+        cut.putalpha(mask.convert("L"))
+    cut.save(tmp_path / "cut.png")
+    Image.new("L", cut.size, 255).save(tmp_path / "all.png")
+    lights(tmp_path / "cut.png", [tmp_path / "all.png"], as_json=True)
+    lights(image, masks[:1], as_json=True)
+    found, expected = map(json.loads, capsys.readouterr().out.splitlines())
+    assert found["probes"][0]["lights"] == expected["probes"][0]["lights"]

@@ -9,8 +9,9 @@ from scipy.optimize import minimize, rosen
 
 from algorithms.errors import InputError
 from algorithms.light import Light
+from algorithms.lights.contour import Contour
 from algorithms.lights.pattern_search import pattern_search
-from algorithms.lights.printed import VARIANTS, printed_lights
+from algorithms.lights.printed import VARIANTS, contour_lights, near_cosine, printed_lights
 from algorithms.lights.probe import prepare_probe
 from algorithms.lights.scanlines import osculating_radius, scan_elevation
 from tests.algorithms.lit_bodies import ellipsoid, grey, lit
@@ -86,3 +87,23 @@ def test_the_printed_method_finds_a_light_and_multiplies_where_it_should_divide(
     multiplied, _, divided = VARIANTS
     assert found[divided, 60.0] / found[divided, 25.0] == pytest.approx(1, abs=0.25)
     assert found[multiplied, 60.0] / found[multiplied, 25.0] < 0.6
+
+
+def test_the_printed_cosine_of_a_point_light_is_that_of_the_geometry() -> None:
+    # Theory, eq. 3.17: from a point of the circle to the light, against the normal there.
+    turned = np.linspace(-np.pi, np.pi, 181)
+    normals = np.stack([np.cos(turned), np.sin(turned)], axis=-1)
+    towards = np.array([2.5, 0.0]) - normals
+    cosine = (normals * towards).sum(axis=1) / np.linalg.norm(towards, axis=1)
+    assert_allclose(near_cosine(turned, 2.5), np.maximum(cosine, 0), atol=1e-12)
+    assert_allclose(near_cosine(turned, 1e9), np.maximum(np.cos(turned), 0), atol=1e-8)
+
+
+@pytest.mark.parametrize("distance", [1.5, 2.5, 6.0, None])
+def test_the_printed_method_recovers_a_distance(distance: float | None) -> None:
+    # Recovery; a light that is infinitely far away stays so.
+    azimuth_deg = np.arange(-177.5, 180, 5)
+    luminance = near_cosine(np.radians(azimuth_deg - 40), distance or 1e9)
+    (found,) = contour_lights(Contour(azimuth_deg, luminance, np.zeros_like(luminance)))
+    assert found.azimuth_deg == pytest.approx(40, abs=1)
+    assert (found.distance or 1e9) == pytest.approx(distance or 1e9, rel=0.05)
