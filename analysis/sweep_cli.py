@@ -56,5 +56,6 @@ def lights(
     for name, table in tables.items():
         typer.echo(f"{name}: means, ours beside the published ones")
         typer.echo(means(table).round(1).to_string())
-    typer.echo(summary.round(1).to_string(index=False))
+    levels = summary["level"].map("{:.3g}".format)
+    typer.echo(summary.round(1).assign(level=levels).to_string(index=False))
     typer.echo(f"wrote {out}")
