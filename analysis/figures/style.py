@@ -205,5 +205,9 @@ def figure_bytes(figure: Figure, file_format: str) -> bytes:
     stream = io.BytesIO()
     metadata = {"Date": None, "Creator": "Trompe"} if file_format == "svg" else {"Software": None}
     with mpl.rc_context(SETTINGS):
+        if figure.get_layout_engine():
+            # Laid out once, not twice for each format, and so the same in all of them.
+            figure.draw_without_rendering()
+            figure.set_layout_engine(None)
         figure.savefig(stream, format=file_format, dpi=_PNG_DOTS_PER_INCH, metadata=metadata)
     return stream.getvalue()
