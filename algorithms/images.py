@@ -95,6 +95,19 @@ def read_image_and_alpha(
     return image, None if (alpha == 1).all() else alpha
 
 
+def require_size(path: Path, found: tuple[int, ...], wanted: tuple[int, ...]) -> None:
+    """Refuse a file that has not an image's height and width.
+
+    Raises
+    ------
+    InputError
+        With the file's name and both sizes.
+    """
+    if found[:2] != wanted[:2]:
+        sizes = " x ".join(map(str, found[1::-1])), " x ".join(map(str, wanted[1::-1]))
+        raise InputError(f"{path}: {sizes[0]} pixels given, the image's {sizes[1]} accepted")
+
+
 def write_image(
     path: str | Path, image: NDArray[np.float32], alpha: NDArray[np.float32] | None = None
 ) -> None:

@@ -6,8 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from algorithms.errors import InputError
-from algorithms.images import read_image_and_alpha
+from algorithms.images import read_image_and_alpha, require_size
 
 _WHITE: Final = 0.2  # linear: about half of the way from black to white as displayed
 _OPAQUE: Final = 0.5
@@ -27,16 +26,3 @@ def read_mask(path: Path, shape: tuple[int, ...]) -> NDArray[np.bool_]:
         mask &= alpha > _OPAQUE
     require_size(path, mask.shape, shape)
     return mask
-
-
-def require_size(path: Path, found: tuple[int, ...], wanted: tuple[int, ...]) -> None:
-    """Refuse a file that has not an image's height and width.
-
-    Raises
-    ------
-    InputError
-        With the file's name and both sizes.
-    """
-    if found[:2] != wanted[:2]:
-        sizes = " x ".join(map(str, found[1::-1])), " x ".join(map(str, wanted[1::-1]))
-        raise InputError(f"{path}: {sizes[0]} pixels given, the image's {sizes[1]} accepted")

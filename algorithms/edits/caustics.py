@@ -14,7 +14,8 @@ from algorithms.depth import perceptual_relief
 from algorithms.depth.files import read_relief
 from algorithms.edits.request import Request, settings_from
 from algorithms.errors import InputError
-from algorithms.masks import read_mask, require_size
+from algorithms.images import require_size
+from algorithms.masks import read_mask
 
 
 def edit(image: FloatImage, request: Request) -> FloatImage:

@@ -17,7 +17,8 @@ from algorithms.depth.files import Stereo, read_distance
 from algorithms.edits.request import Request, settings_from
 from algorithms.errors import InputError
 from algorithms.fog import Fog, add_fog
-from algorithms.masks import read_mask, require_size
+from algorithms.images import require_size
+from algorithms.masks import read_mask
 
 LAYER = "layer-"
 

@@ -47,9 +47,9 @@ def fit_lights(shading: Shading) -> Sources:
     -------
     1 to 4 lights: as many as `grown` accepts.
     """
-    return _with_distances(
-        shading, grown(shading, lambda last, count: _fitted(shading, last, count))
-    )
+    few = shading.thinned(_THINNED)
+    found = grown(shading, lambda last, count: _fitted(shading, few, last, count))
+    return _with_distances(shading, found)
 
 
 def grown(shading: Shading, richer: Callable[[Sources, int], Sources | None]) -> Sources:
@@ -94,9 +94,8 @@ def _was_ambient(last: Sources, more: Sources) -> bool:
     return spread and last.ambient - more.ambient >= _AMBIENT_LESS
 
 
-def _fitted(shading: Shading, last: Sources, count: int) -> Sources | None:
-    """Fit a given number of lights from all starting points, then the best of them to the end."""
-    few = shading.thinned(_THINNED)
+def _fitted(shading: Shading, few: Shading, last: Sources, count: int) -> Sources | None:
+    """Fit a given number of lights to few places from all starts, then the best of them to all."""
     fits = [refine(few, start) for start in starting_points(few, last, count)]
     distinct = [fit for fit in fits if _are_distinct(fit[0])]
     if not distinct:
@@ -104,6 +103,11 @@ def _fitted(shading: Shading, last: Sources, count: int) -> Sources | None:
     best, _ = min(distinct, key=lambda fit: fit[1])
     refined, _ = refine(shading, best)
     return refined if _are_distinct(refined) else best
+
+
+def are_strong(sources: Sources) -> bool:
+    """Tell whether no light is weaker than `WEAKEST` beside the strongest."""
+    return bool(sources.intensities.min() >= WEAKEST * sources.intensities.max())
 
 
 def least_gain(single: Sources) -> float:
@@ -140,9 +144,7 @@ def gain(shading: Shading, simple: Sources, rich: Sources) -> float:
 
 def _are_distinct(sources: Sources) -> bool:
     """Tell whether no light is weak beside the strongest or close to another one in azimuth."""
-    if sources.intensities.min() < WEAKEST * sources.intensities.max():
-        return False
-    return _least_apart_deg(sources) >= LEAST_APART_DEG
+    return are_strong(sources) and _least_apart_deg(sources) >= LEAST_APART_DEG
 
 
 def _least_apart_deg(sources: Sources) -> float:

@@ -96,10 +96,9 @@ def contour_lights(contour: Contour) -> list[Light]:
         if len(lights) >= _MOST_LIGHTS or error < _EXPLAINED * float(np.mean(luminance**2)):
             break
     return [
-        Light(float(np.degrees(direction) % 360), 0.0, float(intensity), distance if near else None)
+        Light(np.degrees(direction) % 360, 0.0, intensity, distance if distance < _FAR else None)
         for direction, intensity, distance in lights.tolist()
         if intensity > 0
-        for near in [distance < _FAR]
     ]
 
 
@@ -152,13 +151,14 @@ def _added(azimuth: Array, luminance: Array, lights: Array) -> Array:
     )
     found, _ = min(directions, key=lambda fit: fit[1])
     direction = float(found[0])
+
+    def distance_of(nearness: Array) -> float:
+        return float(1 / np.clip(nearness[0], 1 / _FAR, 1 / _NEAREST))
+
     nearness, _ = pattern_search(
-        lambda place: error(direction, 1 / np.clip(place[0], 1 / _FAR, 1 / _NEAREST)),
-        [1 / _FAR],
-        [_NEARER],
+        lambda place: error(direction, distance_of(place)), [1 / _FAR], [_NEARER]
     )
-    distance = float(1 / np.clip(nearness[0], 1 / _FAR, 1 / _NEAREST))
-    return np.concatenate([lights, light(direction, distance)])
+    return np.concatenate([lights, light(direction, distance_of(nearness))])
 
 
 def _split(azimuth: Array, luminance: Array, lights: Array) -> Array:

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from algorithms.lights.contour import Contour
-from algorithms.lights.fitting import WEAKEST, gain, grown
+from algorithms.lights.fitting import are_strong, gain, grown
 from algorithms.lights.shading import Array, Shading, Sources, predict, refine
 from algorithms.lights.starts import raised
 
@@ -44,8 +44,7 @@ def vote_lights(contour: Contour, shading: Shading) -> Sources:
     def elected(luminance: Array, count: int) -> Sources | None:
         start = raised(shading, np.degrees(_voted(azimuth, luminance, count)))
         sources, _ = refine(shading, start, turning=False)
-        strong = sources.intensities.min() >= WEAKEST * sources.intensities.max()
-        return sources if strong or count == 1 else None
+        return sources if are_strong(sources) else None
 
     found = grown(shading, lambda _, count: elected(luminance, count))
     # The number stays: an albedo may explain whatever light is missing.
